@@ -22,6 +22,7 @@ from isoembed.metric.vertex_links import NO_LINK, link_gaps, without_link
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
+from isoembed.threads import reserve_threads
 
 TOLERANCE = 1e-10
 """Largest residual that counts as converged, unless another is given."""
@@ -95,6 +96,7 @@ class Method(ABC):
         """
 
 
+@reserve_threads()
 def solve(
     metric: PolyhedralMetric | GluedMetric,
     method: Method,

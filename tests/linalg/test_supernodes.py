@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from grids import grid
 from isoembed.linalg.elimination import symbolic_analysis
-from isoembed.linalg.supernodes import find_supernodes
+from isoembed.linalg.supernodes import find_supernodes, stack_size
 from patterns import eliminated_pattern, random_pattern
 
 
@@ -33,22 +33,29 @@ def test_rows_are_all_that_the_columns_have_below(n, density, seed):
         expected = last + np.flatnonzero(L[last:, first:last].any(axis=1))
         assert np.array_equal(rows, expected)
         m = last - first + rows.size
+        assert nodes.offsets[s] == entries
         entries += triangular(m) - triangular(rows.size)
         widest = max(widest, m)
-        room = max(room, triangular(m) + sum(triangular(child.size) for child in waiting))
+        room = max(room, triangular(m) + sum(triangular(below.size) for _, _, below in waiting))
         # What its children pass on has a place in its front.
-        for _ in range(nodes.children[s]):
-            child = waiting.pop()
-            assert first <= child[0] < last
-            assert np.isin(child, np.append(np.arange(first, last), rows)).all()
-        waiting.append(rows)
-    assert all(rows.size == 0 for rows in waiting)
-    assert (nodes.entries, nodes.widest, nodes.room) == (entries, widest, room)
+        leaf = s
+        while waiting and nodes.parents[waiting[-1][0]] == s:
+            _, leaf, below = waiting.pop()
+            assert first <= below[0] < last
+            assert np.isin(below, np.append(np.arange(first, last), rows)).all()
+        assert nodes.leaves[s] == leaf
+        if rows.size:
+            waiting.append((s, leaf, rows))
+        else:
+            assert nodes.parents[s] == -1
+    assert not waiting
+    assert (nodes.entries, nodes.widest) == (entries, widest)
+    assert stack_size(nodes, 0, len(nodes.parents), 0) == room
 
 
 def test_few_fronts_and_few_zeros():
     matrix, order = grid(60)
     elimination = symbolic_analysis(matrix.indptr, matrix.indices, order)
     nodes = find_supernodes(matrix.indptr, matrix.indices, elimination)
-    assert nodes.children.size < order.size / 8
+    assert nodes.parents.size < order.size / 8
     assert nodes.entries < 1.5 * elimination.counts.sum()

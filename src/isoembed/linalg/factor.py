@@ -16,6 +16,7 @@ from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.superlu import checked_lu
 from isoembed.linalg.supernodes import find_supernodes
 from isoembed.linalg.symmetric import SymmetricMatrix
+from isoembed.linalg.tasks import TaskTree
 from isoembed.linalg.work import Work
 
 SINGLE_ENTRIES = 2**20
@@ -90,7 +91,7 @@ class Solver:
             self.pattern.indptr, self.pattern.indices, self._order, True
         )
         nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
-        self._fronts = Fronts(self._indptr, self._indices, definite, nodes)
+        self._fronts = Fronts(self._indptr, self._indices, definite, TaskTree.of(nodes))
         self._require_memory()
 
     def factor(self, data: ArrayLike, *, single: bool = False) -> SymmetricFactor:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import cython
 import numpy as np
 from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
+from cython.cimports.isoembed.linalg.blas import multiply_transposed
 
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
@@ -28,6 +29,7 @@ def room_to_multiply(front, m):
 
 
 @cython.ccall
+@cython.nogil
 @cython.exceptval(check=False)
 def beginning(j: Int, m: Int) -> Int:
     """Start of row j of a triangle of m rows."""
@@ -35,6 +37,7 @@ def beginning(j: Int, m: Int) -> Int:
 
 
 @cython.ccall
+@cython.nogil
 @cython.exceptval(check=False)
 def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) -> cython.void:
     """Add a triangle to a front of m rows, at these of its rows, which rise."""
@@ -47,7 +50,9 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 
 
 @cython.ccall
-def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: object) -> cython.bint:
+@cython.nogil
+@cython.exceptval(check=False)
+def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, 256):
         last = min(first + BLOCK, k)
@@ -62,8 +67,10 @@ def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: obj
 
 
 @cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def _eliminate_half(
-    front: Number[::1], first: Int, last: Int, m: Int, least: Real, room: object
+    front: Number[::1], first: Int, last: Int, m: Int, least: Real, room: Number[::1]
 ) -> cython.bint:
     """Eliminate some columns from their own rows, the second half after what the first contributes to it."""
     if last - first <= NARROW:
@@ -76,6 +83,7 @@ def _eliminate_half(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _eliminate_few(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
@@ -118,144 +126,213 @@ def _eliminate_few(front: Number[::1], first: Int, last: Int, m: Int, end: Int, 
 
 
 @cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def _subtract_products(
-    front: Number[::1], first: Int, last: Int, top: Int, bottom: Int, m: Int, room: object
-) -> object:
+    front: Number[::1], first: Int, last: Int, top: Int, bottom: Int, m: Int, room: Number[::1]
+) -> cython.void:
     """Eliminate columns from the rows between top and bottom, by products of matrices."""
     k, width = last - first, m - top
-    part = k * width
-    left, right = room[part : 2 * part].reshape(k, width), room[:part].reshape(k, width)
-    scaled: Number[:, ::1] = left
-    columns: Number[:, ::1] = right
+    scaled, product = k * width, 2 * k * width  # where they begin; before them are the columns as they are
     for j in range(k):
         at = beginning(first + j, m) - first - j
         factor: Number = 1.0 / front[at + first + j]
         for i in range(width):
-            columns[j, i] = front[at + top + i]
+            room[j * width + i] = front[at + top + i]
         for i in range(bottom - top):
-            scaled[j, i] = front[at + top + i] * factor
+            room[scaled + j * width + i] = front[at + top + i] * factor
     for begin in range(0, bottom - top, 128):
         end, wide = min(begin + TILE, bottom - top), width - begin
-        whole = room[2 * part : 2 * part + (end - begin) * wide].reshape(end - begin, wide)
-        np.dot(left[:, begin:end].T, right[:, begin:], whole)
-        product: Number[:, ::1] = whole
+        multiply_transposed(room, scaled, 0, product, k, width, begin, end)
         for r in range(end - begin):
-            y = beginning(top + begin + r, m) - r
+            y, z = beginning(top + begin + r, m) - r, product + r * wide
             for i in range(r, wide):
-                front[y + i] -= product[r, i]
-    return None
+                front[y + i] -= room[z + i]
 
 
 def eliminate(
-    nodes: object,
-    indptr: ConstInt32[::1],
-    indices: ConstInt32[::1],
+    fronts: object,
+    task: object,
     data: ConstReal[::1],
     L: Stored[::1],
     stack: Number[::1],
     least: Real,
 ):
-    """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least.
+    """Eliminate the supernodes of a task, and fill their part of L.
+
+    Parameters
+    ----------
+    fronts : Fronts
+    task : Task
+    data : ndarray
+        Entries of the matrix.
+    L : ndarray
+        Filled in.
+    stack : ndarray
+        Room for the fronts that wait. It begins with those that the task's children pass on, one after the
+        other, and in the end with the one that the task passes on.
+    least : float
+
+    Returns
+    -------
+    int
+        The number of negative pivots, or -1 where one is zero or not larger than the least.
+    """
+    nodes = fronts.nodes
+    indptr: ConstInt32[::1] = fronts.indptr
+    indices: ConstInt32[::1] = fronts.indices
+    starts: ConstInt[::1] = nodes.starts
+    parents: ConstInt32[::1] = nodes.parents
+    offsets: ConstInt[::1] = nodes.offsets
+    ends: ConstInt[::1] = nodes.ends
+    rows: ConstInt32[::1] = nodes.rows
+    first: Int = task.first
+    last: Int = task.last
+    place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
+    places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
+    room: Number[::1] = room_to_multiply(np.asarray(stack), nodes.widest)
+    waiting: Int[::1] = np.empty(last - first + len(task.roots), dtype=np.int64)  # in the order of the stack
+    front: Number[::1]
+    waits: Int = 0
+    top: Int = 0
+    negative: Int = 0
+    c: Int
+    s: Int
+    for c in task.roots:
+        waiting[waits] = c
+        waits += 1
+        top += beginning(ends[c + 1] - ends[c], ends[c + 1] - ends[c])
+    with cython.nogil:
+        for s in range(first, last):
+            k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+            m = k + below
+            for i in range(k):
+                place[starts[s] + i] = i
+            for i in range(below):
+                place[rows[ends[s] + i]] = k + i
+            size = beginning(m, m)
+            front = stack[top : top + size]
+            front[:] = 0.0
+            for j in range(k):
+                at = beginning(j, m) - j
+                for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
+                    front[at + place[indices[p]]] = data[p]
+            bottom = top
+            while waits > 0 and parents[waiting[waits - 1]] == s:
+                waits -= 1
+                c = waiting[waits]
+                count = ends[c + 1] - ends[c]
+                for i in range(count):
+                    places[i] = place[rows[ends[c] + i]]
+                extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
+                bottom -= beginning(count, count)
+            if not eliminate_columns(front, k, m, least, room):
+                negative = -1
+                break
+            done = offsets[s]
+            for j in range(k):
+                at = beginning(j, m)
+                pivot: Number = front[at]
+                scale: Number = 1.0 / pivot
+                negative += pivot < 0
+                L[done] = pivot
+                for i in range(1, m - j):
+                    L[done + i] = front[at + i] * scale
+                done += m - j
+            at = beginning(k, m)
+            for i in range(size - at):
+                stack[bottom + i] = front[at + i]
+            top = bottom + size - at
+            waiting[waits] = s
+            waits += 1
+    return negative
+
+
+def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, ::1], tails: object):
+    """Solve with D L for the columns of a task, in every row of x, (columns, n).
 
     Parameters
     ----------
     nodes : Supernodes
-    indptr, indices, data
-        The lower triangle in compressed columns.
-    L, stack : ndarray
-        Filled in; room for the fronts that wait.
-    least : float
+    task : Task
+    L : ndarray
+    x : ndarray
+        Its part that belongs to the task is replaced.
+    tails : sequence of ndarray
+        What the task's children returned.
+
+    Returns
+    -------
+    ndarray, shape (columns, n)
+        What is to be added to x in the rows below the task's columns; its other entries are undefined.
     """
     starts: ConstInt[::1] = nodes.starts
-    ends: ConstInt[::1] = nodes.ends
-    children: ConstInt[::1] = nodes.children
-    rows: ConstInt32[::1] = nodes.rows
-    place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
-    places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
-    room = room_to_multiply(np.asarray(stack), nodes.widest)
-    waiting: Int[::1] = np.empty(starts.shape[0], dtype=np.int64)  # supernodes, in the order of the stack
-    waits: Int = 0
-    top: Int = 0
-    done: Int = 0
-    negative: Int = 0
-    for s in range(starts.shape[0] - 1):
-        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
-        m = k + below
-        for i in range(k):
-            place[starts[s] + i] = i
-        for i in range(below):
-            place[rows[ends[s] + i]] = k + i
-        size = beginning(m, m)
-        front: Number[::1] = stack[top : top + size]
-        front[:] = 0.0
-        for j in range(k):
-            at = beginning(j, m) - j
-            for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
-                front[at + place[indices[p]]] = data[p]
-        bottom = top
-        for _ in range(children[s]):
-            waits -= 1
-            c = waiting[waits]
-            count = ends[c + 1] - ends[c]
-            for i in range(count):
-                places[i] = place[rows[ends[c] + i]]
-            extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
-            bottom -= beginning(count, count)
-        if not eliminate_columns(front, k, m, least, room):
-            return -1
-        for j in range(k):
-            at = beginning(j, m)
-            pivot: Number = front[at]
-            scale: Number = 1.0 / pivot
-            negative += pivot < 0
-            L[done] = pivot
-            for i in range(1, m - j):
-                L[done + i] = front[at + i] * scale
-            done += m - j
-        at = beginning(k, m)
-        for i in range(size - at):
-            stack[bottom + i] = front[at + i]
-        top = bottom + size - at
-        waiting[waits] = s
-        waits += 1
-    return negative
-
-
-def substitute(nodes: object, L: Stored[::1], x: Real[:, ::1]):
-    """Solve for every row of x, (columns, n), in its place."""
-    starts: ConstInt[::1] = nodes.starts
+    offsets: ConstInt[::1] = nodes.offsets
     ends: ConstInt[::1] = nodes.ends
     rows: ConstInt32[::1] = nodes.rows
+    first: Int = task.first
+    last: Int = task.last
     v: Real[::1] = np.empty(nodes.widest)
-    count = starts.shape[0] - 1
-    done: Int = 0
-    for s in range(count):
-        own, end = starts[s], ends[s]
-        k, below = starts[s + 1] - own, ends[s + 1] - end
+    tail: Real[:, ::1] = np.empty((x.shape[0], x.shape[1]))
+    passed: Real[:, ::1]
+    child: Int
+    s: Int
+    end: Int = starts[last]
+    for c in range(x.shape[0]):
+        for i in range(ends[last - 1], ends[last]):
+            tail[c, rows[i]] = 0.0
+    for child, array in zip(task.roots, tails):  # noqa: B905 -- in Cython `strict` costs a call
+        passed = array
         for c in range(x.shape[0]):
-            for i in range(k):
-                v[i] = x[c, own + i]
-            for i in range(below):
-                v[k + i] = 0.0
-            _forward(L, done, k, k + below, v, x, c, own)
-            for i in range(below):
-                x[c, rows[end + i]] += v[k + i]
-        done += beginning(k, k + below)
-    for s in range(count - 1, -1, -1):
-        own, end = starts[s], ends[s]
-        k, below = starts[s + 1] - own, ends[s + 1] - end
-        done -= beginning(k, k + below)
-        for c in range(x.shape[0]):
-            for i in range(k):
-                v[i] = x[c, own + i]
-            for i in range(below):
-                v[k + i] = x[c, rows[end + i]]
-            _back(L, done, k, k + below, v)
-            for i in range(k):
-                x[c, own + i] = v[i]
+            for i in range(ends[child], ends[child + 1]):
+                if rows[i] < end:
+                    x[c, rows[i]] += passed[c, rows[i]]
+                else:
+                    tail[c, rows[i]] += passed[c, rows[i]]
+    with cython.nogil:
+        for s in range(first, last):
+            own, k, below = starts[s], starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+            inside = below  # rows that belong to the task
+            while inside > 0 and rows[ends[s] + inside - 1] >= end:
+                inside -= 1
+            for c in range(x.shape[0]):
+                for i in range(k):
+                    v[i] = x[c, own + i]
+                for i in range(below):
+                    v[k + i] = 0.0
+                _forward(L, offsets[s], k, k + below, v, x, c, own)
+                for i in range(inside):
+                    x[c, rows[ends[s] + i]] += v[k + i]
+                for i in range(inside, below):
+                    tail[c, rows[ends[s] + i]] += v[k + i]
+    return np.asarray(tail)
+
+
+def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Real[:, ::1]):
+    """Solve with the transpose of L for the columns of a task, in every row of x: those below are known."""
+    starts: ConstInt[::1] = nodes.starts
+    offsets: ConstInt[::1] = nodes.offsets
+    ends: ConstInt[::1] = nodes.ends
+    rows: ConstInt32[::1] = nodes.rows
+    first: Int = task.first
+    last: Int = task.last
+    v: Real[::1] = np.empty(nodes.widest)
+    s: Int
+    with cython.nogil:
+        for s in range(last - 1, first - 1, -1):
+            own, k, below = starts[s], starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+            for c in range(x.shape[0]):
+                for i in range(k):
+                    v[i] = x[c, own + i]
+                for i in range(below):
+                    v[k + i] = x[c, rows[ends[s] + i]]
+                _back(L, offsets[s], k, k + below, v)
+                for i in range(k):
+                    x[c, own + i] = v[i]
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _forward(
     L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1], x: Real[:, ::1], row: Int, own: Int
@@ -282,6 +359,7 @@ def _forward(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1]) -> cython.void:
     """Solve with the transpose of L for the first k of m numbers, the others being known."""

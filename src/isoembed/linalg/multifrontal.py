@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices32, Singles
-from isoembed.linalg.fronts import eliminate, substitute
+from isoembed.linalg.fronts import eliminate, substitute_backward, substitute_forward
 from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.supernodes import Supernodes
+from isoembed.linalg.tasks import TaskTree
+from isoembed.threads import thread_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,18 +30,24 @@ class Fronts:
         The lower triangle in compressed columns with sorted rows.
     definite : bool
         Whether the matrices must be positive definite.
-    nodes : Supernodes
+    tree : TaskTree
     """
 
     indptr: Indices32
     indices: Indices32
     definite: bool
-    nodes: Supernodes
+    tree: TaskTree
+
+    @property
+    def nodes(self) -> Supernodes:
+        """The supernodes."""
+        return self.tree.nodes
 
     @property
     def needs(self) -> int:
         """Bytes that the next factors will take."""
-        return 8 * (self.nodes.entries + self.nodes.room)
+        more = (min(thread_count(), len(self.tree.tasks)) - 1) * max(self.tree.sizes)
+        return 8 * (self.nodes.entries + self.tree.room + more)
 
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
         """Factorize the matrix with these entries, and keep the factors in single precision if asked to.
@@ -52,28 +60,51 @@ class Fronts:
         SingularMatrix
             A pivot is zero, or negative where the matrices must be definite.
         """
-        count = self.nodes.entries
+        count, tree = self.nodes.entries, self.tree
         L: Floats | Singles = np.empty(count, dtype=np.float32) if single else np.empty(count)
-        stack = np.empty(self.nodes.room, dtype=L.dtype if self.definite else np.float64)
+        precision = L.dtype if self.definite else np.float64
         least = 0.0 if self.definite else -np.inf
-        negative = eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
-        if negative >= 0:
-            return FrontalFactors(self.nodes, L, negative)
-        if self.definite:
-            raise SingularMatrix("the matrix is not positive definite")
-        raise SingularMatrix("the matrix has no factors L D L^T in this order")
+        passed: dict[int, Floats | Singles] = {}
+        negative = [0] * len(tree.tasks)
+
+        def run(t: int) -> None:
+            stack = np.empty(tree.sizes[t], dtype=precision)
+            if tree.children[t]:
+                waiting = [passed.pop(child) for child in tree.children[t]]
+                np.concatenate(waiting, out=stack[: sum(each.size for each in waiting)])
+            task = tree.tasks[t]
+            negative[t] = eliminate(self, task, data, L, stack, least)
+            if negative[t] < 0:
+                if self.definite:
+                    raise SingularMatrix("the matrix is not positive definite")
+                raise SingularMatrix("the matrix has no factors L D L^T in this order")
+            passed[t] = stack[: tree.passed(task.last - 1)].copy()
+
+        tree.upward.run(run)
+        return FrontalFactors(tree, L, sum(negative))
 
 
 @dataclass(frozen=True, eq=False)
 class FrontalFactors:
     """The factors of one matrix: the trapezoids of its supernodes one after the other, in each D and L."""
 
-    _nodes: Supernodes
+    _tree: TaskTree
     _L: Floats | Singles
     negative_pivots: int
 
     def solve(self, b: Floats) -> Floats:
         """Solve for b (n,) or (n, k)."""
         x = np.array(b.T, order="C", ndmin=2)
-        substitute(self._nodes, self._L, x)
+        tree, L = self._tree, self._L
+        tails: dict[int, Floats] = {}
+
+        def forward(t: int) -> None:
+            passed = [tails.pop(child) for child in tree.children[t]]
+            tails[t] = substitute_forward(tree.nodes, tree.tasks[t], L, x, passed)
+
+        def backward(t: int) -> None:
+            substitute_backward(tree.nodes, tree.tasks[t], L, x)
+
+        tree.upward.run(forward)
+        tree.downward.run(backward)
         return x.reshape(b.T.shape).T

@@ -30,26 +30,31 @@ class Supernodes(NamedTuple):
     ----------
     starts : ndarray of int64, shape (S + 1,)
         The first column of each, and last the number of columns.
-    children : ndarray of int64, shape (S,)
-        How many supernodes each is the parent of.
+    parents : ndarray of int32, shape (S,)
+        The supernode of the first row below each; -1 if there is none.
+    leaves : ndarray of int64, shape (S,)
+        The first supernode of the subtree below each: the subtree is all that lies between them.
+    offsets : ndarray of int64, shape (S + 1,)
+        Where the entries of each begin in L, with the zeros that are stored; last their number.
     ends : ndarray of int64, shape (S + 1,)
         The rows below the columns of supernode s are ``rows[ends[s] : ends[s + 1]]``, sorted.
     rows : ndarray of int32
-    entries : int
-        Of L, with the zeros that are stored.
     widest : int
         Rows of the largest front.
-    room : int
-        Entries of the front that is being eliminated and of all that waits for its parent, at most.
     """
 
     starts: Indices
-    children: Indices
+    parents: Indices32
+    leaves: Indices
+    offsets: Indices
     ends: Indices
     rows: Indices32
-    entries: int
     widest: int
-    room: int
+
+    @property
+    def entries(self) -> int:
+        """Entries of L, with the zeros that are stored."""
+        return int(self.offsets[-1])
 
 
 def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], elimination: Elimination):
@@ -61,30 +66,22 @@ def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], eliminati
     starts: Int[::1] = _amalgamated(parent, counts)
     count = starts.shape[0] - 1
     home: Int32[::1] = np.empty(n, dtype=np.int32)
-    above: Int32[::1] = np.full(count, NONE, dtype=np.int32)
-    children: Int[::1] = np.zeros(count, dtype=np.int64)
+    parents: Int32[::1] = np.full(count, NONE, dtype=np.int32)
+    leaves: Int[::1] = np.arange(count)
+    offsets: Int[::1] = np.zeros(count + 1, dtype=np.int64)
     ends: Int[::1] = np.zeros(count + 1, dtype=np.int64)
     for s in range(count):
         for j in range(starts[s], starts[s + 1]):
             home[j] = s
         ends[s + 1] = ends[s] + counts[starts[s + 1] - 1] - 1
-    entries: Int = 0
     widest: Int = 0
-    waiting: Int = 0
-    room: Int = 0
-    ready: Int[::1] = np.zeros(count, dtype=np.int64)  # entries that the children pass on
     for s in range(count):
         k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
-        m = k + below
-        entries += k * m - k * (k - 1) // 2
-        widest = max(widest, m)
-        room = max(room, waiting + m * (m + 1) // 2)
-        passed = below * (below + 1) // 2
-        waiting += passed - ready[s]
+        offsets[s + 1] = offsets[s] + k * (k + below) - k * (k - 1) // 2
+        widest = max(widest, k + below)
         if below > 0:
-            above[s] = home[parent[starts[s + 1] - 1]]
-            children[above[s]] += 1
-            ready[above[s]] += passed
+            parents[s] = home[parent[starts[s + 1] - 1]]
+            leaves[parents[s]] = min(leaves[parents[s]], leaves[s])
     # Row i has entries in the supernodes of its entries in A, and in those on the way up to its own.
     place: Int[::1] = inverse(order)
     rows: Int32[::1] = np.empty(ends[count], dtype=np.int32)
@@ -99,10 +96,39 @@ def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], eliminati
                 met[s] = i
                 rows[end[s]] = i
                 end[s] += 1
-                s = above[s]
+                s = parents[s]
     return Supernodes(
-        np.asarray(starts), np.asarray(children), np.asarray(ends), np.asarray(rows), entries, widest, room
+        np.asarray(starts),
+        np.asarray(parents),
+        np.asarray(leaves),
+        np.asarray(offsets),
+        np.asarray(ends),
+        np.asarray(rows),
+        widest,
     )
+
+
+def stack_size(nodes: Supernodes, first: Int, last: Int, before: Int):
+    """Entries of the front that is being eliminated and of all that waits for its parent, at most.
+
+    Supernodes from the first to the last are eliminated; so many entries are passed on to the first.
+    """
+    starts: ConstInt[::1] = nodes.starts
+    parents: ConstInt32[::1] = nodes.parents
+    ends: ConstInt[::1] = nodes.ends
+    ready: Int[::1] = np.zeros(last - first, dtype=np.int64)  # entries that children of each pass on
+    ready[0] = before
+    size: Int = 0
+    waiting: Int = before
+    for s in range(first, last):
+        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+        m = k + below
+        size = max(size, waiting + m * (m + 1) // 2)
+        passed = below * (below + 1) // 2
+        waiting += passed - ready[s - first]
+        if below > 0 and parents[s] < last:
+            ready[parents[s] - first] += passed
+    return size
 
 
 @cython.cfunc

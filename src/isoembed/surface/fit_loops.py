@@ -20,6 +20,7 @@ HUB_DEGREE = cython.declare(cython.longlong, 32)  # as in `local_fit`
 
 @cython.cfunc
 @cython.inline
+@cython.nogil
 @cython.exceptval(check=False)
 def copy(A: ConstReal[:, ::1], i: Int, B: Real[:, ::1], k: Int) -> cython.void:
     """Copy row i of A to row k of B."""
@@ -29,6 +30,7 @@ def copy(A: ConstReal[:, ::1], i: Int, B: Real[:, ::1], k: Int) -> cython.void:
 
 @cython.cfunc
 @cython.inline
+@cython.nogil
 @cython.exceptval(check=False)
 def multiply(
     A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, C: Real[:, ::1], k: Int
@@ -40,6 +42,7 @@ def multiply(
 
 @cython.cfunc
 @cython.inline
+@cython.nogil
 @cython.exceptval(check=False)
 def subtract_product(
     A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, C: Real[:, ::1], k: Int
@@ -91,16 +94,18 @@ def weigh(x: ConstReal[:, ::1], y: ConstReal[:, ::1], w: Real[:, ::1], degree: I
     rest: Real[:, ::1] = np.empty((1, lanes))
     sound: Flag[::1] = np.ones(lanes, dtype=np.bool_)
     shapes: Int[:, ::1] = np.zeros((2, columns + 1), dtype=np.int64)
-    _add_moments(x, y, w, degree, moments, powers)
-    _factorize(moments, degree, factor, rest, sound, shapes)
-    _solve(factor, terms)
-    _evaluate(x, y, w, degree, terms, powers)
-    for lane in range(lanes):
-        sound[lane] &= rest[0, lane] >= KEPT * moments[0, lane]
+    with cython.nogil:
+        _add_moments(x, y, w, degree, moments, powers)
+        _factorize(moments, degree, factor, rest, sound, shapes)
+        _solve(factor, terms)
+        _evaluate(x, y, w, degree, terms, powers)
+        for lane in range(lanes):
+            sound[lane] &= rest[0, lane] >= KEPT * moments[0, lane]
     return np.asarray(sound)
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _multiply_out(
     x: ConstReal[:, ::1], y: ConstReal[:, ::1], w: Real[:, ::1], k: Int, degree: Int, powers: Real[:, ::1]
@@ -117,6 +122,7 @@ def _multiply_out(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _add_moments(
     x: ConstReal[:, ::1],
@@ -135,6 +141,7 @@ def _add_moments(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _factorize(
     moments: Real[:, ::1],
@@ -176,6 +183,7 @@ def _factorize(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _solve(factor: Real[:, ::1], terms: Real[:, ::1]) -> cython.void:
     """Coefficients of the monomials in the fit of the constant."""
@@ -189,6 +197,7 @@ def _solve(factor: Real[:, ::1], terms: Real[:, ::1]) -> cython.void:
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _evaluate(
     x: ConstReal[:, ::1],

@@ -11,12 +11,14 @@ from scipy.sparse import csr_array, eye_array
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
-from isoembed.surface.interpolation_loops import products_of, projected, transposed_products
+from isoembed.surface.interpolation_loops import add_transposed_cells, multiply_cells, projected
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import THREE_RINGS
+from isoembed.threads import run_ranges
 
 DEGREE = 5
+CELLS = 250  # products with fewer take less time than starting a thread
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +102,27 @@ class CellRows:
         starts = np.searchsorted(cell[rows], np.arange(pattern.shape[0] + 1))
         return cls(rows, starts, (pattern.indptr, pattern.indices), weights[rows].data)
 
+    @cached_property
+    def offsets(self) -> Indices:
+        """Where the weights of each cell begin, (C + 1,)."""
+        return np.concatenate(([0], np.cumsum(np.diff(self.starts) * np.diff(self.stencils[0]))))
+
     def __matmul__(self, values: Floats) -> Floats:
         """Product with values (C, 3), (n, 3)."""
-        return products_of(self.rows, self.starts, *self.stencils, self.weights, values)
+        products = np.empty((len(self.rows), 3))
+        run_ranges(lambda cells: multiply_cells(self, cells, values, products), len(self.starts) - 1, CELLS)
+        return products
 
     def transposed(self, forces: Floats) -> Floats:
         """Product of the transposed matrix with forces (n, 3), (C, 3)."""
-        return transposed_products(self.rows, self.starts, *self.stencils, self.weights, forces)
+        count = len(self.starts) - 1
+        parts = range(1 if count < 4 * CELLS else 4)  # for any number of threads: the same sums
+        products = np.zeros((len(parts), count, 3))
+
+        def add(some: range) -> None:
+            for part in some:
+                cells = range(count * part // len(parts), count * (part + 1) // len(parts))
+                add_transposed_cells(self, cells, forces, products[part])
+
+        run_ranges(add, len(parts), 1)
+        return products.sum(axis=0) if len(parts) > 1 else products[0]

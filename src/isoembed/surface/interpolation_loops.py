@@ -46,60 +46,63 @@ def chosen_centers(
     return np.array(chosen[:count]), np.asarray(cell)
 
 
-def products_of(
-    rows: ConstInt[::1],
-    starts: ConstInt[::1],
-    indptr: ConstInt[::1],
-    indices: ConstInt[::1],
-    weights: ConstReal[::1],
-    values: ConstReal[:, ::1],
-):
-    products: Real[:, ::1] = np.empty((rows.shape[0], 3))
-    at: Int = 0
-    for cell in range(starts.shape[0] - 1):
-        for k in range(starts[cell], starts[cell + 1]):
-            x: Real = 0.0
-            y: Real = 0.0
-            z: Real = 0.0
-            for p in range(indptr[cell], indptr[cell + 1]):
-                vertex = indices[p]
-                x += weights[at] * values[vertex, 0]
-                y += weights[at] * values[vertex, 1]
-                z += weights[at] * values[vertex, 2]
-                at += 1
-            row = rows[k]
-            products[row, 0], products[row, 1], products[row, 2] = x, y, z
-    return np.asarray(products)
+def multiply_cells(matrix: object, cells: object, values: ConstReal[:, ::1], products: Real[:, ::1]):
+    """Fill in the rows of a range of cells in the product of `CellRows` with values (C, 3)."""
+    rows: ConstInt[::1] = matrix.rows
+    starts: ConstInt[::1] = matrix.starts
+    offsets: ConstInt[::1] = matrix.offsets
+    indptr: ConstInt[::1] = matrix.stencils[0]
+    indices: ConstInt[::1] = matrix.stencils[1]
+    weights: ConstReal[::1] = matrix.weights
+    first: Int = cells.start
+    last: Int = cells.stop
+    with cython.nogil:
+        for cell in range(first, last):
+            at = offsets[cell]
+            for k in range(starts[cell], starts[cell + 1]):
+                x: Real = 0.0
+                y: Real = 0.0
+                z: Real = 0.0
+                for p in range(indptr[cell], indptr[cell + 1]):
+                    vertex = indices[p]
+                    x += weights[at] * values[vertex, 0]
+                    y += weights[at] * values[vertex, 1]
+                    z += weights[at] * values[vertex, 2]
+                    at += 1
+                row = rows[k]
+                products[row, 0], products[row, 1], products[row, 2] = x, y, z
 
 
-def transposed_products(
-    rows: ConstInt[::1],
-    starts: ConstInt[::1],
-    indptr: ConstInt[::1],
-    indices: ConstInt[::1],
-    weights: ConstReal[::1],
-    forces: ConstReal[:, ::1],
-):
-    products: Real[:, ::1] = np.zeros((starts.shape[0] - 1, 3))
+def add_transposed_cells(matrix: object, cells: object, forces: ConstReal[:, ::1], products: Real[:, ::1]):
+    """Add what a range of cells contributes to the product of transposed `CellRows` with forces (n, 3)."""
+    rows: ConstInt[::1] = matrix.rows
+    starts: ConstInt[::1] = matrix.starts
+    offsets: ConstInt[::1] = matrix.offsets
+    indptr: ConstInt[::1] = matrix.stencils[0]
+    indices: ConstInt[::1] = matrix.stencils[1]
+    weights: ConstReal[::1] = matrix.weights
+    first: Int = cells.start
+    last: Int = cells.stop
     largest: Int = 0
-    for cell in range(starts.shape[0] - 1):
+    for cell in range(first, last):
         largest = max(largest, indptr[cell + 1] - indptr[cell])
     sums: Real[:, ::1] = np.empty((3, largest))
-    at: Int = 0
-    for cell in range(starts.shape[0] - 1):
-        begin, size = indptr[cell], indptr[cell + 1] - indptr[cell]
-        sums[:, :size] = 0.0  # contiguous rows vectorize
-        for p in range(starts[cell], starts[cell + 1]):
-            row = rows[p]
-            for k in range(3):
-                force = forces[row, k]
+    with cython.nogil:
+        for cell in range(first, last):
+            begin, size, at = indptr[cell], indptr[cell + 1] - indptr[cell], offsets[cell]
+            for k in range(3):  # contiguous rows vectorize
                 for i in range(size):
-                    sums[k, i] += force * weights[at + i]
-            at += size
-        for i in range(size):
-            for k in range(3):
-                products[indices[begin + i], k] += sums[k, i]
-    return np.asarray(products)
+                    sums[k, i] = 0.0
+            for p in range(starts[cell], starts[cell + 1]):
+                row = rows[p]
+                for k in range(3):
+                    force = forces[row, k]
+                    for i in range(size):
+                        sums[k, i] += force * weights[at + i]
+                at += size
+            for i in range(size):
+                for k in range(3):
+                    products[indices[begin + i], k] += sums[k, i]
 
 
 def projected(

@@ -10,6 +10,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.surface.fit_loops import fewest, weigh
+from isoembed.threads import run_ranges
 
 NEAR = 0.5  # squared edges: a point p has the weight 1 / (NEAR + |p|^2)
 SIDE_BY_SIDE = 128  # fits per batch: their moments stay in the cache
@@ -27,8 +28,9 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
     fitted = np.zeros(len(counts), dtype=np.bool_)
     fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= MAX_POINTS))
-    for first in range(0, len(fits), SIDE_BY_SIDE):
-        mine = fits[first : first + SIDE_BY_SIDE]
+
+    def fit(batch: int) -> None:
+        mine = fits[batch * SIDE_BY_SIDE : (batch + 1) * SIDE_BY_SIDE]
         k = np.arange(counts[mine].max())[:, None]
         there = k < counts[mine]
         at = indptr[mine] + k * there  # columns are padded with their first point, with weight zero
@@ -40,4 +42,10 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
         fitted[mine] = sound
         there &= sound
         weights[at[there]] = w[there]
+
+    def fit_all(batches: range) -> None:
+        for batch in batches:
+            fit(batch)
+
+    run_ranges(fit_all, -(-len(fits) // SIDE_BY_SIDE), 4)
     return fitted

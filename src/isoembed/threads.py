@@ -1,0 +1,160 @@
+"""Threads for loops that do not hold the interpreter's lock: as many as NumPy's BLAS may use.
+
+`OMP_NUM_THREADS` and ``threadpoolctl.threadpool_limits`` set their number. No result depends on it: work is
+divided in the same way for any number of threads.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+from threadpoolctl import ThreadpoolController
+
+_reserved: ContextVar[int | None] = ContextVar("_reserved", default=None)
+
+
+def thread_count() -> int:
+    """Threads that `TaskGraph.run` may use: those of BLAS, or those that it had before `reserve_threads`.
+
+    One in threads other than the main one, where OpenBLAS cannot be limited.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return 1
+    reserved = _reserved.get()
+    if reserved is not None:
+        return reserved
+    return min((library.num_threads for library in _blas().lib_controllers), default=1)
+
+
+@contextmanager
+def reserve_threads() -> Iterator[None]:
+    """Keep BLAS to one thread, so that those of `TaskGraph.run` have the cores to themselves.
+
+    The threads of OpenBLAS wait in a loop for more work, and share vectors that are too short for that.
+    """
+    before = _reserved.set(thread_count())
+    try:
+        with _blas().limit(limits=1):
+            yield
+    finally:
+        _reserved.reset(before)
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    """The libraries in this process."""
+    return ThreadpoolController().select(user_api="blas")
+
+
+def run_ranges(task: Callable[[range], object], count: int, fewest: int) -> None:
+    """Run a task on parts of a range, several at once, none of them shorter than the fewest.
+
+    Parameters
+    ----------
+    task : callable
+        Its results must not depend on how the range is divided.
+    count, fewest : int
+    """
+    threads = thread_count()
+    parts = max(1, min(4 * threads if threads > 1 else 1, count // fewest))  # four: some finish early
+    ends = [count * k // parts for k in range(parts + 1)]
+    graph = TaskGraph([()] * parts, [k / parts for k in range(parts)])
+    graph.run(lambda k: task(range(ends[k], ends[k + 1])))
+
+
+@dataclass(frozen=True, eq=False)
+class TaskGraph:
+    """Tasks, some of which must be done before others.
+
+    Attributes
+    ----------
+    before : sequence of sequence of int
+        The tasks that each depends on.
+    places : sequence of float
+        From 0 to 1: each thread has a place of its own, too, and begins with the tasks near to it.
+    """
+
+    before: Sequence[Sequence[int]]
+    places: Sequence[float]
+
+    def run(self, task: Callable[[int], object]) -> None:
+        """Run all tasks, several at once, and none after one has failed."""
+        threads = min(thread_count(), len(self.before))
+        if threads <= 1:
+            for t in self.order:
+                task(t)
+            return
+        run = _Run(self, task)
+        with reserve_threads():
+            others = [threading.Thread(target=run.work, args=(k / (threads - 1),)) for k in range(1, threads)]
+            for other in others:
+                other.start()
+            alone = _reserved.set(1)  # as in the other threads: none starts more
+            run.work(0.0)
+            _reserved.reset(alone)
+            for other in others:
+                other.join()
+        if run.failure is not None:
+            raise run.failure
+
+    @cached_property
+    def order(self) -> list[int]:
+        """The order in which one thread runs them."""
+        order: list[int] = []
+        _Run(self, order.append).work(0.0)
+        return order
+
+
+class _Run:
+    """State of a run, shared by its threads."""
+
+    def __init__(self, graph: TaskGraph, task: Callable[[int], object]) -> None:
+        self._task, self._places = task, graph.places
+        self._missing = [len(before) for before in graph.before]
+        self._after: list[list[int]] = [[] for _ in graph.before]
+        for t, before in enumerate(graph.before):
+            for earlier in before:
+                self._after[earlier].append(t)
+        self._ready = [t for t, missing in enumerate(self._missing) if missing == 0]
+        self._waiting = len(self._missing)  # tasks not begun
+        self._changed = threading.Condition()
+        self.failure: BaseException | None = None
+
+    def work(self, place: float) -> None:
+        """Run tasks until none is left, those near to a place first."""
+        while (t := self._next(place)) is not None:
+            try:
+                self._task(t)
+            except BaseException as error:  # raised by the thread that waits for all
+                self._end(error)
+                return
+            self._finish(t)
+
+    def _next(self, place: float) -> int | None:
+        with self._changed:
+            while not self._ready and self._waiting:
+                self._changed.wait()
+            if not self._waiting:
+                return None
+            t = min(self._ready, key=lambda t: abs(self._places[t] - place))
+            self._ready.remove(t)
+            self._waiting -= 1
+            return t
+
+    def _finish(self, t: int) -> None:
+        with self._changed:
+            for later in self._after[t]:
+                self._missing[later] -= 1
+                if self._missing[later] == 0:
+                    self._ready.append(later)
+            self._changed.notify_all()
+
+    def _end(self, error: BaseException) -> None:
+        with self._changed:
+            self.failure, self._waiting = error, 0
+            self._changed.notify_all()

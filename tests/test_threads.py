@@ -1,0 +1,90 @@
+"""Threads: what runs, in which order, and what becomes of BLAS."""
+
+import threading
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from isoembed.threads import TaskGraph, reserve_threads, run_ranges, thread_count
+
+
+def blas_threads():
+    """Threads of every BLAS."""
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def test_the_number_is_that_of_blas():
+    for limit in (1, 3):
+        with threadpool_limits(limit):
+            assert thread_count() == limit
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 30), st.integers(1, 4), st.randoms(use_true_random=False))
+def test_each_task_runs_once_and_after_those_that_it_depends_on(count, threads, random):
+    before = [random.sample(range(t), random.randint(0, min(t, 3))) for t in range(count)]
+    done = []
+
+    def task(t):
+        assert set(before[t]) <= set(done)
+        done.append(t)
+
+    with threadpool_limits(threads):
+        TaskGraph(before, [random.random() for _ in before]).run(task)
+    assert sorted(done) == list(range(count))
+
+
+def test_tasks_run_at_once_and_start_no_more_threads():
+    both = threading.Barrier(2, timeout=60)
+    inside = []
+
+    def task(t):
+        both.wait()
+        inside.append((thread_count(), blas_threads()))
+
+    with threadpool_limits(2):
+        TaskGraph([(), ()], [0.0, 1.0]).run(task)
+        assert thread_count() == 2 and blas_threads() == {2}
+    assert inside == [(1, {1})] * 2
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_an_exception_ends_the_run_and_is_raised(threads):
+    begun = []
+
+    def task(t):
+        begun.append(t)
+        raise ZeroDivisionError(t)
+
+    with threadpool_limits(threads):
+        with pytest.raises(ZeroDivisionError):
+            TaskGraph([()] + [(t,) for t in range(9)], [0.0] * 10).run(task)
+        assert thread_count() == threads and blas_threads() == {threads}
+    assert begun == [0]
+
+
+def test_ranges_cover_everything_once():
+    for count, fewest in ((0, 3), (1, 3), (100, 3), (1000, 7)):
+        parts = []
+        with threadpool_limits(3):
+            run_ranges(parts.append, count, fewest)
+        assert sorted(k for part in parts for k in part) == list(range(count))
+        assert all(len(part) >= fewest for part in parts) or len(parts) == 1
+
+
+def test_reserved_threads_are_taken_from_blas_and_given_back():
+    with threadpool_limits(2):
+        with reserve_threads(), reserve_threads():
+            assert thread_count() == 2 and blas_threads() == {1}
+        assert thread_count() == 2 and blas_threads() == {2}
+
+
+def test_other_threads_start_none():
+    counts = []
+    with threadpool_limits(2):
+        other = threading.Thread(target=lambda: counts.append(thread_count()))
+        other.start()
+        other.join()
+    assert counts == [1]
