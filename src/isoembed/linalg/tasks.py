@@ -54,7 +54,7 @@ class TaskTree:
         below = ends[1:] - ends[nodes.leaves]  # work of each subtree
         divided = below > ends[-1] / SHARES
         undivided = ~divided & ((nodes.parents < 0) | divided[nodes.parents])  # as large as may be
-        roots: list[list[int]] = [[] for _ in range(count)]
+        roots: list[list[int]] = [[] for _ in range(count + 1)]  # the last one of no parent
         tasks: list[Task] = []
         for s in np.flatnonzero(divided | undivided).tolist():
             if undivided[s]:
