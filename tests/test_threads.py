@@ -2,11 +2,16 @@
 
 import threading
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_info, threadpool_limits
 
+import isoembed
+from isoembed import PolyhedralMetric
+from isoembed.gallery import Ellipsoid, triangulate
+from isoembed.linalg import tasks
 from isoembed.threads import TaskGraph, reserve_threads, run_ranges, thread_count
 
 
@@ -88,3 +93,14 @@ def test_other_threads_start_none():
         other.start()
         other.join()
     assert counts == [1]
+
+
+def test_surfaces_have_the_same_bits_for_any_number_of_threads(monkeypatch):
+    monkeypatch.setattr(tasks, "SMALL", 0.0)
+    metric = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 2500))
+    found = []
+    for threads in (1, 2, 3):
+        with threadpool_limits(threads):
+            found.append(isoembed.embed(metric, length_errors=0).vertices)
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0], found[2])
