@@ -1,5 +1,8 @@
 """Threads: what runs, in which order, and what becomes of BLAS."""
 
+import os
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -12,7 +15,7 @@ import isoembed
 from isoembed import PolyhedralMetric
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.linalg import tasks
-from isoembed.threads import TaskGraph, reserve_threads, run_ranges, thread_count
+from isoembed.threads import MAX_THREADS, TaskGraph, reserve_threads, run_ranges, thread_count
 
 
 def blas_threads():
@@ -84,6 +87,23 @@ def test_reserved_threads_are_taken_from_blas_and_given_back():
         with reserve_threads(), reserve_threads():
             assert thread_count() == 2 and blas_threads() == {1}
         assert thread_count() == 2 and blas_threads() == {2}
+
+
+def test_a_process_leaves_the_cores_to_these_threads():
+    lines = "from isoembed.threads import reserve_threads_of_process as reserve, thread_count; reserve(); " \
+        "import scipy.linalg, threadpoolctl; print(thread_count(), *{library['num_threads'] for library " \
+        "in threadpoolctl.threadpool_info() if library['user_api'] == 'blas'})"  # fmt: skip
+    inherited = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    for threads, expected in ("3", "3 1"), ("64", f"{MAX_THREADS} 1"), ("1", "1 1"), ("auto", None):
+        run = subprocess.run(
+            [sys.executable, "-c", lines],
+            env=inherited | {"OMP_NUM_THREADS": threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        cores = min(len(os.sched_getaffinity(0)), MAX_THREADS) if hasattr(os, "sched_getaffinity") else 1
+        assert run.stdout.strip() == (expected or f"{cores} 1")
 
 
 def test_other_threads_start_none():

@@ -1,11 +1,15 @@
-"""Threads for loops that do not hold the interpreter's lock: as many as NumPy's BLAS may use.
+"""Threads for loops that do not hold the interpreter's lock: as many as NumPy's BLAS may use, up to eight.
 
 `OMP_NUM_THREADS` and ``threadpoolctl.threadpool_limits`` set their number. No result depends on it: work is
 divided in the same way for any number of threads.
+
+BLAS itself works with one thread meanwhile: those of OpenBLAS share vectors that are too short for that, and
+wait for more work in a loop.
 """
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,6 +18,8 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 from threadpoolctl import ThreadpoolController
+
+MAX_THREADS = 8  # elimination trees of surfaces have no work for more
 
 _reserved: ContextVar[int | None] = ContextVar("_reserved", default=None)
 
@@ -28,16 +34,26 @@ def thread_count() -> int:
     reserved = _reserved.get()
     if reserved is not None:
         return reserved
-    return min((library.num_threads for library in _blas().lib_controllers), default=1)
+    return min([MAX_THREADS, *(library.num_threads for library in _blas().lib_controllers)])
+
+
+def reserve_threads_of_process() -> None:
+    """As `reserve_threads`, for a whole process, in which NumPy has not been imported yet."""
+    for library in ("OPENBLAS", "MKL", "BLIS"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0]
+    count = int(wanted) if wanted.isdecimal() else _cores()
+    _reserved.set(max(1, min(count, MAX_THREADS)))
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
-def reserve_threads() -> Iterator[None]:
-    """Keep BLAS to one thread, so that those of `TaskGraph.run` have the cores to themselves.
-
-    The threads of OpenBLAS wait in a loop for more work, and share vectors that are too short for that.
-    """
-    before = _reserved.set(thread_count())
+def reserve_threads(count: int | None = None) -> Iterator[None]:
+    """Keep BLAS to one thread, so that those of `TaskGraph.run`, or so many of them, have the cores."""
+    before = _reserved.set(thread_count() if count is None else count)
     try:
         with _blas().limit(limits=1):
             yield
@@ -94,9 +110,8 @@ class TaskGraph:
             others = [threading.Thread(target=run.work, args=(k / (threads - 1),)) for k in range(1, threads)]
             for other in others:
                 other.start()
-            alone = _reserved.set(1)  # as in the other threads: none starts more
-            run.work(0.0)
-            _reserved.reset(alone)
+            with reserve_threads(1):  # as in the other threads: none starts more
+                run.work(0.0)
             for other in others:
                 other.join()
         if run.failure is not None:

@@ -32,6 +32,7 @@ from isoembed.cli.screen import (
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 from isoembed.similar_names import did_you_mean
+from isoembed.threads import reserve_threads_of_process
 from isoembed.typed_numbers import MILLIMETERS, number
 
 # Bytes.  With 60 to 560 million, libraries fail to load in various ways: they hang, abort, or raise anything.
@@ -205,6 +206,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         with handled(interruption):
             if not arguments:
                 print_out(FIRST_STEPS)
+            if argv is None:
+                reserve_threads_of_process()
             with uncollected() if argv is None else nullcontext():
                 options = build_parser(arguments).parse_args(arguments, argparse.Namespace(began=began))
             return _run(options)

@@ -7,13 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from threadpoolctl import threadpool_limits
-
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.runs.result import FAILED, REFUSED, Result
 from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
+from isoembed.threads import reserve_threads
 
 MEMORY = "not enough memory"
 
@@ -100,7 +99,7 @@ def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish)
 
 def _computed(task: Task, before: Result | None) -> Result:
     try:
-        with threadpool_limits(1):  # the processes share the cores
+        with reserve_threads(1):  # the processes share the cores
             return task.compute(before)
     except MemoryError:
         return Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
