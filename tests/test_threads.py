@@ -1,9 +1,13 @@
 """Threads: what runs, in which order, and what becomes of BLAS."""
 
+import gc
 import os
+import signal
 import subprocess
 import sys
 import threading
+import time
+import weakref
 
 import numpy as np
 import pytest
@@ -71,6 +75,47 @@ def test_an_exception_ends_the_run_and_is_raised(threads):
             TaskGraph([()] + [(t,) for t in range(9)], [0.0] * 10).run(task)
         assert thread_count() == threads and blas_threads() == {threads}
     assert begun == [0]
+
+
+def test_an_interrupt_of_the_main_thread_ends_the_run_and_is_not_replaced():
+    begun = threading.Event()
+    done = []
+
+    def task(t):
+        if t == 0:
+            begun.set()
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(0.05)
+            raise ZeroDivisionError
+        done.append(t)
+
+    with threadpool_limits(2):
+        with pytest.raises(KeyboardInterrupt):
+            TaskGraph([()] + [(0,)] * 5, [0.0] * 6).run(task)
+        assert thread_count() == 2 and blas_threads() == {2}
+    assert begun.is_set() and not done
+    assert threading.active_count() == 1
+
+
+def test_a_failed_run_keeps_nothing_alive():
+    class Kept:
+        pass
+
+    kept = Kept()
+    alive = weakref.ref(kept)
+
+    def task(t, kept=kept):
+        raise ZeroDivisionError
+
+    gc.collect()
+    gc.disable()
+    try:
+        with threadpool_limits(2), pytest.raises(ZeroDivisionError):
+            TaskGraph([(), ()], [0.0, 1.0]).run(task)
+        del kept, task
+        assert alive() is None
+    finally:
+        gc.enable()
 
 
 def test_ranges_cover_everything_once():

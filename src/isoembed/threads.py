@@ -1,10 +1,10 @@
-"""Threads for loops that do not hold the interpreter's lock: as many as NumPy's BLAS may use, up to eight.
+"""Threads for loops that do not hold the interpreter's lock: as many as BLAS may use, up to eight.
 
 `OMP_NUM_THREADS` and ``threadpoolctl.threadpool_limits`` set their number. No result depends on it: work is
 divided in the same way for any number of threads.
 
-BLAS itself works with one thread meanwhile: those of OpenBLAS share vectors that are too short for that, and
-wait for more work in a loop.
+While they run, BLAS has one thread: the threads of OpenBLAS share vectors that are too short for that, and
+wait for more work in a loop.  It can be limited in the main thread only; in others nothing is divided.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, cached_property
+from importlib import import_module
 
 from threadpoolctl import ThreadpoolController
 
 MAX_THREADS = 8  # elimination trees of surfaces have no work for more
 
+_LIBRARIES = ("OPENBLAS", "MKL", "BLIS")  # that may be BLAS
+
 _reserved: ContextVar[int | None] = ContextVar("_reserved", default=None)
 
 
 def thread_count() -> int:
-    """Threads that `TaskGraph.run` may use: those of BLAS, or those that it had before `reserve_threads`.
-
-    One in threads other than the main one, where OpenBLAS cannot be limited.
-    """
-    if threading.current_thread() is not threading.main_thread():
+    """Threads that `TaskGraph.run` may use: one if it is called in another than the main thread."""
+    if not _in_main_thread():
         return 1
     reserved = _reserved.get()
     if reserved is not None:
@@ -39,31 +39,37 @@ def thread_count() -> int:
 
 def reserve_threads_of_process() -> None:
     """As `reserve_threads`, for a whole process, in which NumPy has not been imported yet."""
-    for library in ("OPENBLAS", "MKL", "BLIS"):
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0]
-    count = int(wanted) if wanted.isdecimal() else _cores()
-    _reserved.set(max(1, min(count, MAX_THREADS)))
+    wanted = (os.environ.get(f"{name}_NUM_THREADS", "").split(",")[0] for name in ("OMP", *_LIBRARIES))
+    count = next((int(number) for number in wanted if number.isdecimal() and int(number) > 0), _cores())
+    for name in _LIBRARIES:
+        os.environ[f"{name}_NUM_THREADS"] = "1"
+    _reserved.set(min(count, MAX_THREADS))
+
+
+@contextmanager
+def reserve_threads(count: int | None = None) -> Iterator[None]:
+    """Limit BLAS to one thread, so that those of `TaskGraph.run`, or so many of them, have the cores."""
+    limited = _reserved.get() is not None or not _in_main_thread()
+    before = _reserved.set(thread_count() if count is None else count)
+    try:
+        with nullcontext() if limited else _blas().limit(limits=1):
+            yield
+    finally:
+        _reserved.reset(before)
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
 
 
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-@contextmanager
-def reserve_threads(count: int | None = None) -> Iterator[None]:
-    """Keep BLAS to one thread, so that those of `TaskGraph.run`, or so many of them, have the cores."""
-    before = _reserved.set(thread_count() if count is None else count)
-    try:
-        with _blas().limit(limits=1):
-            yield
-    finally:
-        _reserved.reset(before)
-
-
 @cache
 def _blas() -> ThreadpoolController:
-    """The libraries in this process."""
+    """BLAS of NumPy and of SciPy, which may be the same library."""
+    import_module("scipy.linalg")  # loads both
     return ThreadpoolController().select(user_api="blas")
 
 
@@ -100,22 +106,13 @@ class TaskGraph:
 
     def run(self, task: Callable[[int], object]) -> None:
         """Run all tasks, several at once, and none after one has failed."""
-        threads = min(thread_count(), len(self.before))
-        if threads <= 1:
-            for t in self.order:
-                task(t)
-            return
-        run = _Run(self, task)
         with reserve_threads():
-            others = [threading.Thread(target=run.work, args=(k / (threads - 1),)) for k in range(1, threads)]
-            for other in others:
-                other.start()
-            with reserve_threads(1):  # as in the other threads: none starts more
-                run.work(0.0)
-            for other in others:
-                other.join()
-        if run.failure is not None:
-            raise run.failure
+            threads = min(thread_count(), len(self.before))
+            if threads <= 1:
+                for t in self.order:
+                    task(t)
+            else:
+                _Run(self, task).share(threads)
 
     @cached_property
     def order(self) -> list[int]:
@@ -138,17 +135,40 @@ class _Run:
         self._ready = [t for t, missing in enumerate(self._missing) if missing == 0]
         self._waiting = len(self._missing)  # tasks not begun
         self._changed = threading.Condition()
-        self.failure: BaseException | None = None
+        self._failure: BaseException | None = None
+
+    def share(self, count: int) -> None:
+        """Run all tasks in so many threads.
+
+        None of them is the main thread, which signals interrupt anywhere.
+        """
+        threads = [threading.Thread(target=self.work, args=(k / (count - 1),)) for k in range(count)]
+        try:
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        except BaseException as error:
+            self._end(error)
+            for thread in threads:
+                if thread.ident is not None:
+                    thread.join()
+            raise
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            try:
+                raise failure
+            finally:
+                del failure  # whose traceback has this frame
 
     def work(self, place: float) -> None:
         """Run tasks until none is left, those near to a place first."""
-        while (t := self._next(place)) is not None:
-            try:
+        try:
+            while (t := self._next(place)) is not None:
                 self._task(t)
-            except BaseException as error:  # raised by the thread that waits for all
-                self._end(error)
-                return
-            self._finish(t)
+                self._finish(t)
+        except BaseException as error:
+            self._end(error)
 
     def _next(self, place: float) -> int | None:
         with self._changed:
@@ -171,5 +191,6 @@ class _Run:
 
     def _end(self, error: BaseException) -> None:
         with self._changed:
-            self.failure, self._waiting = error, 0
+            self._failure = self._failure or error
+            self._waiting = 0
             self._changed.notify_all()

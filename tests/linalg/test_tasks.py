@@ -1,5 +1,7 @@
 """Tasks of factorizations: they divide the elimination tree, and no number depends on who does them."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -103,3 +105,27 @@ def test_a_matrix_that_is_not_definite_is_refused_by_every_thread(threads):
     matrix = sp.csc_matrix(matrix - 1.2 * sp.eye_array(1600))
     with threadpool_limits(threads), pytest.raises(SingularMatrix, match="not positive definite"):
         analyze(matrix, order).factor(matrix.data)
+
+
+def test_a_wide_front_has_the_same_bits_for_any_number_of_threads():
+    rng = np.random.default_rng(0)
+    n = 700
+    matrix = sp.csc_array(np.diag(rng.uniform(n, 2 * n, n)) + rng.uniform(0, 0.5, (n, n)))
+    matrix = sp.csc_array(matrix + matrix.T)
+    answers = []
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            answers.append(analyze(matrix, np.arange(n)).factor(matrix.data).solve(np.ones(n), 0))
+    assert np.array_equal(*answers)
+
+
+@pytest.mark.usefixtures("divided")
+def test_many_columns_take_little_memory():
+    matrix, order = grid(60)
+    factor = analyze(matrix, order).factor(matrix.data)
+    b = np.ones((3600, 50))
+    tracemalloc.start()
+    factor.solve(b, 0)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 4 * b.nbytes  # b and x in elimination order, and the answer

@@ -23,9 +23,9 @@ TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little abo
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
 
-def room_to_multiply(front, m):
-    """Room that `eliminate_columns` works in, for fronts like this of up to m rows."""
-    return np.empty((2 * BLOCK + TILE) * m, dtype=front.dtype)
+def room_to_multiply(m: Int):
+    """Entries of the array that `eliminate_columns` works in, for fronts of up to m rows."""
+    return (2 * BLOCK + TILE) * m
 
 
 @cython.ccall
@@ -190,7 +190,7 @@ def eliminate(
     last: Int = task.last
     place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
     places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
-    room: Number[::1] = room_to_multiply(np.asarray(stack), nodes.widest)
+    room: Number[::1] = np.empty(room_to_multiply(nodes.widest), dtype=np.asarray(stack).dtype)
     waiting: Int[::1] = np.empty(last - first + len(task.roots), dtype=np.int64)  # in the order of the stack
     front: Number[::1]
     waits: Int = 0
@@ -263,8 +263,8 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, :
 
     Returns
     -------
-    ndarray, shape (columns, n)
-        What is to be added to x in the rows below the task's columns; its other entries are undefined.
+    ndarray, shape (columns, rows)
+        What is to be added to x in the rows below the last supernode of the task.
     """
     starts: ConstInt[::1] = nodes.starts
     offsets: ConstInt[::1] = nodes.offsets
@@ -273,22 +273,24 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, :
     first: Int = task.first
     last: Int = task.last
     v: Real[::1] = np.empty(nodes.widest)
-    tail: Real[:, ::1] = np.empty((x.shape[0], x.shape[1]))
+    below_all: Int = ends[last] - ends[last - 1]
+    tail: Real[:, ::1] = np.zeros((x.shape[0], below_all))
+    place: Int[::1] = np.empty(x.shape[1], dtype=np.int64)  # in the tail, of its rows
     passed: Real[:, ::1]
     child: Int
     s: Int
     end: Int = starts[last]
-    for c in range(x.shape[0]):
-        for i in range(ends[last - 1], ends[last]):
-            tail[c, rows[i]] = 0.0
+    for i in range(below_all):
+        place[rows[ends[last - 1] + i]] = i
     for child, array in zip(task.roots, tails):  # noqa: B905 -- in Cython `strict` costs a call
         passed = array
         for c in range(x.shape[0]):
-            for i in range(ends[child], ends[child + 1]):
-                if rows[i] < end:
-                    x[c, rows[i]] += passed[c, rows[i]]
+            for i in range(passed.shape[1]):
+                row = rows[ends[child] + i]
+                if row < end:
+                    x[c, row] += passed[c, i]
                 else:
-                    tail[c, rows[i]] += passed[c, rows[i]]
+                    tail[c, place[row]] += passed[c, i]
     with cython.nogil:
         for s in range(first, last):
             own, k, below = starts[s], starts[s + 1] - starts[s], ends[s + 1] - ends[s]
@@ -304,7 +306,7 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, :
                 for i in range(inside):
                     x[c, rows[ends[s] + i]] += v[k + i]
                 for i in range(inside, below):
-                    tail[c, rows[ends[s] + i]] += v[k + i]
+                    tail[c, place[rows[ends[s] + i]]] += v[k + i]
     return np.asarray(tail)
 
 

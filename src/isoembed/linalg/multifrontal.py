@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices32, Singles
-from isoembed.linalg.fronts import eliminate, substitute_backward, substitute_forward
+from isoembed.linalg.fronts import eliminate, room_to_multiply, substitute_backward, substitute_forward
 from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.supernodes import Supernodes
 from isoembed.linalg.tasks import TaskTree
@@ -46,8 +46,10 @@ class Fronts:
     @property
     def needs(self) -> int:
         """Bytes that the next factors will take."""
-        more = (min(thread_count(), len(self.tree.tasks)) - 1) * max(self.tree.sizes)
-        return 8 * (self.nodes.entries + self.tree.room + more)
+        nodes, tree = self.nodes, self.tree
+        threads = min(thread_count(), len(tree.tasks))
+        work = room_to_multiply(nodes.widest) + int(nodes.starts[-1])
+        return 8 * (nodes.entries + tree.room + (threads - 1) * max(tree.sizes) + threads * work)
 
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
         """Factorize the matrix with these entries, and keep the factors in single precision if asked to.
@@ -70,8 +72,8 @@ class Fronts:
         def run(t: int) -> None:
             stack = np.empty(tree.sizes[t], dtype=precision)
             if tree.children[t]:
-                waiting = [passed.pop(child) for child in tree.children[t]]
-                np.concatenate(waiting, out=stack[: sum(each.size for each in waiting)])
+                begin = sum(map(tree.passed, tree.tasks[t].roots))
+                np.concatenate([passed.pop(child) for child in tree.children[t]], out=stack[:begin])
             task = tree.tasks[t]
             negative[t] = eliminate(self, task, data, L, stack, least)
             if negative[t] < 0:

@@ -67,7 +67,7 @@ def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], eliminati
     count = starts.shape[0] - 1
     home: Int32[::1] = np.empty(n, dtype=np.int32)
     parents: Int32[::1] = np.full(count, NONE, dtype=np.int32)
-    leaves: Int[::1] = np.arange(count)
+    leaves: Int[::1] = np.arange(count, dtype=np.int64)
     offsets: Int[::1] = np.zeros(count + 1, dtype=np.int64)
     ends: Int[::1] = np.zeros(count + 1, dtype=np.int64)
     for s in range(count):
@@ -117,7 +117,8 @@ def stack_size(nodes: Supernodes, first: Int, last: Int, before: Int):
     parents: ConstInt32[::1] = nodes.parents
     ends: ConstInt[::1] = nodes.ends
     ready: Int[::1] = np.zeros(last - first, dtype=np.int64)  # entries that children of each pass on
-    ready[0] = before
+    if first < last:
+        ready[0] = before
     size: Int = 0
     waiting: Int = before
     for s in range(first, last):
