@@ -38,7 +38,7 @@ def thread_count() -> int:
 
 
 def reserve_threads_of_process() -> None:
-    """As `reserve_threads`, for a whole process, in which NumPy has not been imported yet."""
+    """Limit BLAS to one thread for a whole process, in which NumPy has not been imported yet."""
     wanted = (os.environ.get(f"{name}_NUM_THREADS", "").split(",")[0] for name in ("OMP", *_LIBRARIES))
     count = next((int(number) for number in wanted if number.isdecimal() and int(number) > 0), _cores())
     for name in _LIBRARIES:

@@ -73,7 +73,7 @@ def test_the_limit_of_small_curvature_is_linear():
 def test_the_whole_sphere_is_no_polyhedron():
     octahedron = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
     metric = PolyhedralMetric(octahedron, np.full(12, np.pi / 2), curvature=1.0)
-    with pytest.raises(InvalidMetric, match="only 0 vertices have deficits above .* has at least 3$"):
+    with pytest.raises(InvalidMetric, match=r"only 0 vertices have deficits above .* has at least 3$"):
         embed(metric, method="alexandrov")
 
 

@@ -368,7 +368,7 @@ def test_larger_errors_than_those_of_the_digits_explain_a_triangle(tmp_path):
     text = "from,to,length\n" + "".join(
         f"{a},{b},{length:.1f}\n" for (a, b), length in zip(own.edges, lengths, strict=True)
     )
-    with pytest.raises(InvalidMetric, match="the triangle of the hubs .* breaks the triangle inequality"):
+    with pytest.raises(InvalidMetric, match=r"the triangle of the hubs .* breaks the triangle inequality"):
         read_metric(written(tmp_path, text))
     with pytest.warns(MeshNote, match="changed within their errors"):
         read_metric(written(tmp_path, text), length_errors=0.5)

@@ -32,9 +32,7 @@ def summary(
     convexity, smoothness = found["convexity"], found["smoothness"]
     bending = "int H^2 dA" if "sheet" in found else "bending energy"
     lines = [
-        f"{embedding.status}: the best attempt"
-        if failed
-        else f"{found['status']}: {found['message']}",
+        f"{embedding.status}: the best attempt" if failed else f"{found['status']}: {found['message']}",
         "",
         f"method      {found['method']}, tolerance {found['tolerance']:.0e}",
         *_space(found["space"]),

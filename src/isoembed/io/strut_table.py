@@ -33,9 +33,11 @@ ERRORS = ("length error", "error", "sigma", "standard deviation")
 UNIT = re.compile(r"\s*[(\[]([^()\[\]]*)[)\]]$")
 """A unit behind the name of a column, as in ``length (mm)``."""
 UNITS = MILLIMETERS | {
-    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), 1.0),
-    **dict.fromkeys(("centimeter", "centimeters", "centimetre", "centimetres"), 10.0),
-    **dict.fromkeys(("meter", "meters", "metre", "metres"), 1000.0),
+    **{
+        f"{prefix}met{end}": size
+        for prefix, size in (("milli", 1.0), ("centi", 10.0), ("", 1000.0))
+        for end in ("er", "ers", "re", "res")  # British spelling, too
+    },
     **dict.fromkeys(("inch", "inches"), 25.4),
     **dict.fromkeys(("ft", "foot", "feet"), 304.8),
 }
@@ -136,7 +138,7 @@ def read(file: InputFile) -> Tables:
     rows = [row.line for row in measured]
 
     def check(length_errors: ArrayLike | None) -> None:
-        _check_triangles(**{**tables, "length_errors": length_errors}, hubs=hubs, rows=rows)
+        _check_triangles(tables["faces"], edges, tables["lengths"], length_errors, hubs, rows)
         _say_which_hub_is_which(hubs)
 
     return {**tables, "check_lengths": check}

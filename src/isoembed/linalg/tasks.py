@@ -110,7 +110,7 @@ class TaskTree:
 
     @cached_property
     def _middles(self) -> list[float]:
-        """Where the subtree of each task lies, from 0 to 1."""
+        """Position of the subtree of each task in the matrix, from 0 to 1."""
         last = np.array([task.last for task in self.tasks])
         return ((self.nodes.leaves[last - 1] + last) / (2 * last[-1])).tolist()
 

@@ -115,9 +115,7 @@ def laid_out(
     return min(layouts, key=lambda one: (len(one.unfolding.sheets), one.pages, _cut_length(one.unfolding)))
 
 
-def _option(
-    scale: float | None, size: float | tuple[str, float] | None
-) -> tuple[str, str, float] | None:
+def _option(scale: float | None, size: float | tuple[str, float] | None) -> tuple[str, str, float] | None:
     """Name of the scale or size, if given, axis of the size, if it has one, and value."""
     axis = ""
     if isinstance(size, tuple):
@@ -176,9 +174,7 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     return found * (1 + SLACK), worst
 
 
-def _too_large(
-    unfolding: Unfolding, page: Paper, wanted: float, option: str, axis: str, value: float
-) -> str:
+def _too_large(unfolding: Unfolding, page: Paper, wanted: float, option: str, axis: str, value: float) -> str:
     """Error message about the face that does not fit, with a scale and a paper for which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     maximum = value * largest / wanted

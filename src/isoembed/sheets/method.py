@@ -234,7 +234,7 @@ def _raised(
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if rise.any() else ():
             x = with_heights(metric, x, part * rise, recorder)
             recorder.show(vertices=x)
-    x = turned_about_vertical(x, loop) + [0.0, 0.0, level]
+    x = turned_about_vertical(x, loop) + np.array([0.0, 0.0, level])
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
 

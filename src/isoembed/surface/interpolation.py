@@ -104,7 +104,7 @@ class CellRows:
 
     @cached_property
     def offsets(self) -> Indices:
-        """Where the weights of each cell begin, (C + 1,)."""
+        """Index of the first weight of each cell, (C + 1,)."""
         return np.concatenate(([0], np.cumsum(np.diff(self.starts) * np.diff(self.stencils[0]))))
 
     def __matmul__(self, values: Floats) -> Floats:
