@@ -40,6 +40,7 @@ SMALLEST = {
     "space_forms": "--seeds 1 --sizes 60",
     "stages": "--sizes 100 200",
     "stars": "--count 4",
+    "threads": "--vertices 300 --threads 2",
     "unfold": "--hulls 2",
     "wang_yau": "--only spheres",
 }
