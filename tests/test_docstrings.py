@@ -13,10 +13,11 @@ PREPOSITIONS = {"As", "At", "By", "For", "From", "In", "Of", "So", "Such", "To",
 def first_lines(source: str) -> list[tuple[int, str]]:
     """Numbers and first lines of the docstrings of modules, classes, functions and constants."""
     found = []
-    for node in ast.walk(ast.parse(source)):
-        if not isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-            continue
-        for statement in node.body:
+    nodes: list[ast.Module | ast.ClassDef | ast.FunctionDef] = [ast.parse(source)]
+    while nodes:
+        for statement in nodes.pop().body:
+            if isinstance(statement, ast.ClassDef | ast.FunctionDef):
+                nodes.append(statement)
             text = statement.value if isinstance(statement, ast.Expr) else None
             if isinstance(text, ast.Constant) and isinstance(text.value, str):
                 found.append((text.lineno, text.value.strip().splitlines()[0]))

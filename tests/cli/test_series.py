@@ -119,6 +119,7 @@ def test_a_precessing_hole(run, simulation):
     )
 
 
+@pytest.mark.slow
 def test_what_is_in_the_way_of_some_is_a_row_of_theirs(run, simulation):
     Path("slices/0000.npz").write_bytes(Path("slices/0000.npz").read_bytes()[:5000])
     Path("slices/0064.npz").unlink()

@@ -135,7 +135,7 @@ def test_the_last_edges_separate_the_rest():
     assert min(parts) < 0.65 * n
 
 
-@pytest.mark.parametrize("points", [fibonacci_sphere, random_sphere])
+@pytest.mark.parametrize("points", [pytest.param(fibonacci_sphere, marks=pytest.mark.slow), random_sphere])
 def test_fill_of_edge_matrices_is_far_below_the_library_orders(points):
     n = 8000
     edges = hull_edges(points(n))
@@ -188,7 +188,7 @@ def test_edges_ordered_as_their_vertices_fill_far_more():
     assert fill(pattern, tree.edge_order(edges)) < 0.7 * fill(pattern, inherited)
 
 
-@pytest.mark.parametrize("stretch", [(1, 1, 1), (3, 2, 1)])
+@pytest.mark.parametrize("stretch", [pytest.param((1, 1, 1), marks=pytest.mark.slow), (3, 2, 1)])
 def test_fill_grows_like_n_log_n(stretch):
     sizes = np.array([1000, 2000, 4000, 8000, 16000])
     by_edge, by_vertex = [], []

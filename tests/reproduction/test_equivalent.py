@@ -8,6 +8,7 @@ from reproduction import equivalent
 from sections import check_section
 
 
+@pytest.mark.slow
 def test_pairs_are_proven_to_be_two_and_their_integrals_differ_little():
     metric = PolyhedralMetric.from_mesh(*triangulate(equivalent.SURFACES["saddle"], 100, irregular=2))
     pairs = equivalent.of_metric("saddle", metric)

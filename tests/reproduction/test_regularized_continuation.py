@@ -7,6 +7,8 @@ from reproduction import regularized_continuation
 from reproduction.bodies import SAME
 from sections import check_section
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def section():

@@ -60,6 +60,7 @@ def test_an_uncertain_reference_makes_the_energy_of_observers_uncertain():
     assert change <= unsure.error <= 5.0 * change
 
 
+@pytest.mark.slow
 def test_a_horizon_that_is_a_little_off_has_another_curvature():
     data = KerrNewmanHorizon(1.0, 0.9).data()
     off = embed_surface(replace(data, displacement=1e-6), space="hyperbolic")

@@ -38,6 +38,7 @@ def test_the_sign_of_the_connection_matters():
     assert wang_yau(surface.data(-1.0), surface.tau, embedding=embedding).energy.value < -1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_harmonics")
 def test_found_from_zero_up_to_a_boost():
     surface, data, embedding = minkowski()
