@@ -273,7 +273,7 @@ def test_moments_of_a_run(tmp_path):
     np.savez(tmp_path / "ah1.16.npz", points=6.0 + sphere(2.0))
     [moment] = moments([tmp_path / "ah1.16.npz"], run)
     assert moment.slice.name == str(run / "p_000016.3d.hdf5")
-    with pytest.raises(FileError, match="run holds 3 slices, and isoembed.relativity.read_slice reads one"):
+    with pytest.raises(FileError, match=r"run holds 3 slices, and isoembed.relativity.read_slice reads one"):
         read_slice(run)
 
 
