@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from threadpoolctl import threadpool_info, threadpool_limits
+from threadpoolctl import ThreadpoolController, threadpool_info, threadpool_limits
 
 import isoembed
 from isoembed import PolyhedralMetric
+from isoembed import threads as own_threads
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.linalg import tasks
 from isoembed.threads import MAX_THREADS, TaskGraph, reserve_threads, run_ranges, thread_count
@@ -44,7 +45,7 @@ def test_each_task_runs_once_and_after_those_that_it_depends_on(count, threads, 
         done.append(t)
 
     with threadpool_limits(threads):
-        TaskGraph(before, [random.random() for _ in before]).run(task)
+        TaskGraph(before).run(task)
     assert sorted(done) == list(range(count))
 
 
@@ -57,7 +58,7 @@ def test_tasks_run_at_once_and_start_no_more_threads():
         inside.append((thread_count(), blas_threads()))
 
     with threadpool_limits(2):
-        TaskGraph([(), ()], [0.0, 1.0]).run(task)
+        TaskGraph([(), ()]).run(task)
         assert thread_count() == 2 and blas_threads() == {2}
     assert inside == [(1, {1})] * 2
 
@@ -72,7 +73,7 @@ def test_an_exception_ends_the_run_and_is_raised(threads):
 
     with threadpool_limits(threads):
         with pytest.raises(ZeroDivisionError):
-            TaskGraph([()] + [(t,) for t in range(9)], [0.0] * 10).run(task)
+            TaskGraph([()] + [(t,) for t in range(9)]).run(task)
         assert thread_count() == threads and blas_threads() == {threads}
     assert begun == [0]
 
@@ -91,7 +92,7 @@ def test_an_interrupt_of_the_main_thread_ends_the_run_and_is_not_replaced():
 
     with threadpool_limits(2):
         with pytest.raises(KeyboardInterrupt):
-            TaskGraph([()] + [(0,)] * 5, [0.0] * 6).run(task)
+            TaskGraph([()] + [(0,)] * 5).run(task)
         assert thread_count() == 2 and blas_threads() == {2}
     assert begun.is_set() and not done
     assert threading.active_count() == 1
@@ -111,7 +112,7 @@ def test_a_failed_run_keeps_nothing_alive():
     gc.disable()
     try:
         with threadpool_limits(2), pytest.raises(ZeroDivisionError):
-            TaskGraph([(), ()], [0.0, 1.0]).run(task)
+            TaskGraph([(), ()]).run(task)
         del kept, task
         assert alive() is None
     finally:
@@ -132,6 +133,28 @@ def test_reserved_threads_are_taken_from_blas_and_given_back():
         with reserve_threads(), reserve_threads():
             assert thread_count() == 2 and blas_threads() == {1}
         assert thread_count() == 2 and blas_threads() == {2}
+
+
+@pytest.mark.parametrize(
+    ("variables", "count"),
+    [
+        ({"OMP_NUM_THREADS": "3"}, 3),
+        ({"OMP_NUM_THREADS": "2,4"}, 2),
+        ({"OMP_NUM_THREADS": "3", "OPENBLAS_NUM_THREADS": "1"}, 3),
+        ({"MKL_NUM_THREADS": "5"}, 5),
+        ({"OMP_NUM_THREADS": "0", "BLIS_NUM_THREADS": "2"}, 2),
+        ({"OMP_NUM_THREADS": "99"}, MAX_THREADS),
+    ],
+)
+def test_where_blas_cannot_be_limited_variables_count(monkeypatch, variables, count):
+    monkeypatch.setattr(own_threads, "_blas", lambda: ThreadpoolController().select(user_api="none of these"))
+    for name in ("OMP", "OPENBLAS", "MKL", "BLIS"):
+        monkeypatch.delenv(f"{name}_NUM_THREADS", raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert thread_count() == count
+    with reserve_threads():
+        assert thread_count() == count
 
 
 def test_a_process_leaves_the_cores_to_these_threads():
@@ -164,8 +187,8 @@ def test_surfaces_have_the_same_bits_for_any_number_of_threads(monkeypatch):
     monkeypatch.setattr(tasks, "SMALL", 0.0)
     metric = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 2500))
     found = []
-    for threads in (1, 2, 3):
-        with threadpool_limits(threads):
+    for count in (1, 2, 3):
+        with threadpool_limits(count):
             found.append(isoembed.embed(metric, length_errors=0).vertices)
     assert np.array_equal(found[0], found[1])
     assert np.array_equal(found[0], found[2])

@@ -34,16 +34,15 @@ def thread_count() -> int:
     reserved = _reserved.get()
     if reserved is not None:
         return reserved
-    return min([MAX_THREADS, *(library.num_threads for library in _blas().lib_controllers)])
+    numbers = [library.num_threads for library in _blas().lib_controllers]
+    return min([*(numbers or [_wanted()]), MAX_THREADS])
 
 
 def reserve_threads_of_process() -> None:
     """Limit BLAS to one thread for a whole process, in which NumPy has not been imported yet."""
-    wanted = (os.environ.get(f"{name}_NUM_THREADS", "").split(",")[0] for name in ("OMP", *_LIBRARIES))
-    count = next((int(number) for number in wanted if number.isdecimal() and int(number) > 0), _cores())
+    _reserved.set(min(_wanted(), MAX_THREADS))
     for name in _LIBRARIES:
         os.environ[f"{name}_NUM_THREADS"] = "1"
-    _reserved.set(min(count, MAX_THREADS))
 
 
 @contextmanager
@@ -62,7 +61,12 @@ def _in_main_thread() -> bool:
     return threading.current_thread() is threading.main_thread()
 
 
-def _cores() -> int:
+def _wanted() -> int:
+    """The number in the first variable that has one, or that of the cores that the process may use."""
+    for name in ("OMP", *_LIBRARIES):
+        number = os.environ.get(f"{name}_NUM_THREADS", "").split(",")[0]
+        if number.isdecimal() and int(number) > 0:
+            return int(number)
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -85,24 +89,22 @@ def run_ranges(task: Callable[[range], object], count: int, fewest: int) -> None
     threads = thread_count()
     parts = max(1, min(4 * threads if threads > 1 else 1, count // fewest))  # four: some finish early
     ends = [count * k // parts for k in range(parts + 1)]
-    graph = TaskGraph([()] * parts, [k / parts for k in range(parts)])
-    graph.run(lambda k: task(range(ends[k], ends[k + 1])))
+    TaskGraph([()] * parts).run(lambda k: task(range(ends[k], ends[k + 1])))
 
 
 @dataclass(frozen=True, eq=False)
 class TaskGraph:
     """Tasks, some of which must be done before others.
 
+    A thread begins with tasks whose numbers are near to its own part of them.
+
     Attributes
     ----------
     before : sequence of sequence of int
         The tasks that each depends on.
-    places : sequence of float
-        From 0 to 1: each thread has a place of its own, too, and begins with the tasks near to it.
     """
 
     before: Sequence[Sequence[int]]
-    places: Sequence[float]
 
     def run(self, task: Callable[[int], object]) -> None:
         """Run all tasks, several at once, and none after one has failed."""
@@ -118,7 +120,7 @@ class TaskGraph:
     def order(self) -> list[int]:
         """The order in which one thread runs them."""
         order: list[int] = []
-        _Run(self, order.append).work(0.0)
+        _Run(self, order.append).work(0)
         return order
 
 
@@ -126,7 +128,7 @@ class _Run:
     """State of a run, shared by its threads."""
 
     def __init__(self, graph: TaskGraph, task: Callable[[int], object]) -> None:
-        self._task, self._places = task, graph.places
+        self._task = task
         self._missing = [len(before) for before in graph.before]
         self._after: list[list[int]] = [[] for _ in graph.before]
         for t, before in enumerate(graph.before):
@@ -142,7 +144,8 @@ class _Run:
 
         None of them is the main thread, which signals interrupt anywhere.
         """
-        threads = [threading.Thread(target=self.work, args=(k / (count - 1),)) for k in range(count)]
+        last = len(self._missing) - 1
+        threads = [threading.Thread(target=self.work, args=(k * last / (count - 1),)) for k in range(count)]
         try:
             for thread in threads:
                 thread.start()
@@ -162,7 +165,7 @@ class _Run:
                 del failure  # whose traceback has this frame
 
     def work(self, place: float) -> None:
-        """Run tasks until none is left, those near to a place first."""
+        """Run tasks until none is left, those whose numbers are near to a place first."""
         try:
             while (t := self._next(place)) is not None:
                 self._task(t)
@@ -176,7 +179,7 @@ class _Run:
                 self._changed.wait()
             if not self._waiting:
                 return None
-            t = min(self._ready, key=lambda t: abs(self._places[t] - place))
+            t = min(self._ready, key=lambda t: abs(t - place))
             self._ready.remove(t)
             self._waiting -= 1
             return t

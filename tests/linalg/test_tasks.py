@@ -56,6 +56,7 @@ def test_two_threads_share_a_grid_evenly():
     for t, children in enumerate(tree.children):
         path[t] = work[t] + path[list(children)].max(initial=0.0)
     assert path.max() < 0.5 * work.sum()
+    assert tree.upward.order == list(range(len(tree.tasks)))  # what `room` assumes
     assert tree.room < stack_size(tree.nodes, 0, len(tree.nodes.parents), 0) + max(tree.sizes)
 
 

@@ -75,7 +75,7 @@ class TaskTree:
     @cached_property
     def upward(self) -> TaskGraph:
         """Each task after its children."""
-        return TaskGraph(self.children, self._middles)
+        return TaskGraph(self.children)
 
     @cached_property
     def downward(self) -> TaskGraph:
@@ -84,7 +84,7 @@ class TaskTree:
         for t, children in enumerate(self.children):
             for child in children:
                 above[child] = (t,)
-        return TaskGraph(above, self._middles)
+        return TaskGraph(above)
 
     @cached_property
     def sizes(self) -> tuple[int, ...]:
@@ -107,12 +107,6 @@ class TaskTree:
             room = max(room, waiting + size)
             waiting += self.passed(task.last - 1) - sum(map(self.passed, task.roots))
         return room
-
-    @cached_property
-    def _middles(self) -> list[float]:
-        """Position of the subtree of each task in the matrix, from 0 to 1."""
-        last = np.array([task.last for task in self.tasks])
-        return ((self.nodes.leaves[last - 1] + last) / (2 * last[-1])).tolist()
 
 
 def _work(nodes: Supernodes) -> Floats:
