@@ -54,6 +54,23 @@ def test_polygons_of_rounded_coordinates_are_planar_within_the_digits(text):
     assert found.distance(given) < 1e-5
 
 
+def test_short_diagonals_of_large_polygons_are_as_planar_as_these():
+    """A prism over an hourglass, off by less than the planarity of a mesh: no rounding explains that."""
+    outline = np.array([[-1, -1], [1, -1], [0.01, 0], [1, 1], [-1, 1], [-0.01, 0]])
+    vertices = np.vstack([np.column_stack([outline, np.full(6, z)]) for z in (-1.0, 1.0)])
+    faces = [
+        [5, 4, 3, 2, 1, 0],
+        [6, 7, 8, 9, 10, 11],
+        *([i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6)),
+    ]
+    bent = vertices + 3e-6 * np.random.default_rng(0).uniform(-1, 1, vertices.shape)
+    metric = PolyhedralMetric.from_mesh(bent, faces)
+    assert metric.precision is None and len(metric.diagonals) == 12
+    assert PolygonPlanarity.of(metric).holds(bent)
+    bent[0] += [0, 0, 1e-3]
+    assert not PolygonPlanarity.of(metric).holds(bent)
+
+
 def test_the_distance_from_planarity_is_that_of_the_diagonals():
     h = 0.1
     square = [[0, 0, h], [1, 0, 0], [1, 1, h], [0, 1, 0]]  # its diagonals are h apart

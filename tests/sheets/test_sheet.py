@@ -459,6 +459,34 @@ def test_a_measured_cap_meets_its_plane_at_any_angle(angle, size):
     assert found.converged and apart(found.vertices, true) < 20 * sigma
 
 
+def frustum(k, height):
+    """A cap of a k-gon, a smaller one over it, and a point over that."""
+    around = np.stack(
+        [np.cos(2 * np.pi * np.arange(k) / k), np.sin(2 * np.pi * np.arange(k) / k), np.zeros(k)], 1
+    )
+    vertices = [*around, *(around / 2 + [0, 0, height]), [0, 0, 1.2 * height]]
+    faces = [[i, (i + 1) % k, k + i] for i in range(k)]
+    faces += [[(i + 1) % k, k + (i + 1) % k, k + i] for i in range(k)]
+    return np.array(vertices), [*faces, *([k + i, k + (i + 1) % k, 2 * k] for i in range(k))]
+
+
+def pyramid(k, height):
+    around = 2 * np.pi * np.arange(k) / k
+    vertices = np.column_stack([np.cos(around), np.sin(around), np.zeros(k)])
+    return np.array([*vertices, [0, 0, height]]), [[i, (i + 1) % k, k] for i in range(k)]
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-5, 1e-3])
+@pytest.mark.parametrize("true", [pyramid(7, 0.4), frustum(4, 0.7)])
+def test_a_measured_cap_of_few_vertices_is_the_convex_one(true, size):
+    """Too few for local fits of either half: their roughness does not tell a dent from a convex cap."""
+    metric = PolyhedralMetric.from_mesh(*true)
+    sigma = size * metric.mean_length
+    lengths = metric.lengths + np.random.default_rng(0).normal(0, sigma, len(metric.lengths))
+    found = embed(metric.with_lengths(lengths), boundary="plane", length_errors=sigma)
+    assert found.converged and apart(found.vertices, true[0]) < 5 * sigma
+
+
 def test_a_triangle_is_no_cap_to_fit():
     with pytest.raises(InvalidMetric, match="determine it without a fit"):
         embed(PolyhedralMetric([[0, 1, 2]], [3.0, 4.0, 5.0]), boundary="plane", length_errors=0.1)

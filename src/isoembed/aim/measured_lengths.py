@@ -307,8 +307,12 @@ def _alike(
         energy = start.energy.weighted(rms / sigma)
         fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
         found.append(fits.alike(fits.fit(without.vertices, without.weight), e, rms))
-    alike = dict.fromkeys(np.concatenate(found).tolist())
-    return np.array([e for e in alike if e not in suspected], dtype=np.int64)
+    return other_edges(np.concatenate(found), suspected)
+
+
+def other_edges(edges: Indices, suspected: Indices) -> Indices:
+    """The edges that are not suspected, each once, in their order."""
+    return np.array([e for e in dict.fromkeys(edges.tolist()) if e not in suspected], dtype=np.int64)
 
 
 def _halves(without: BestFit, fit: BestFit) -> bool:

@@ -256,13 +256,14 @@ class MeasuredSurface(Embedding):
         change = f"{100 * (found / given - 1):+.2g} %{'' if in_percent else lengths}"
         return f"{self._name(e)} ({change})"
 
-    def _or_instead(self) -> str:
+    def _or_instead(self, suspects: list[int]) -> str:
         """Clause on edges that may be wrong in the place of those named; empty if there are none."""
         if self.alike is None or not self.alike.size:
             return ""
         named, more = self.alike[:NAMED].tolist(), len(self.alike) - NAMED
         return (
-            f"; the lengths do not tell it from {', '.join(map(self._name, named))}"
+            f"; the lengths do not tell {'it' if len(suspects) == 1 else 'them'} from "
+            f"{', '.join(map(self._name, named))}"
             f"{f' and {more} more' if more > 0 else ''}, an error of which explains them as well"
         )
 
@@ -278,7 +279,7 @@ class MeasuredSurface(Embedding):
         surface = "a smooth surface fitted without them" if without else "the nearest smooth surface"
         return (
             f"check these lengths first, and how much longer they are on {surface}: {named}"
-            f"{', with which all other lengths agree' if agree else ''}{self._or_instead()}"
+            f"{', with which all other lengths agree' if agree else ''}{self._or_instead(suspects)}"
         )
 
     def _sentence(self) -> str:
@@ -328,7 +329,7 @@ class MeasuredSurface(Embedding):
         if e is not None:
             clauses += (
                 f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, "
-                f"though too few others contradict it to tell{self._or_instead()}"
+                f"though too few others contradict it to tell{self._or_instead([e])}"
             )
         return clauses
 

@@ -319,15 +319,19 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> tupl
             f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and replaced by triangles; "
             f"the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
         )
-    return triangles, _diagonals(triangles, np.repeat(np.where(warped, -1, np.arange(len(sizes))), sizes - 2))
+    owners = np.where(warped | (sizes == 3), -1, np.arange(len(sizes)))
+    return triangles, _diagonals(triangles, np.repeat(owners, sizes - 2))
 
 
 def _diagonals(triangles: Indices, polygon: Indices) -> Indices:
     """Edges between triangles of one polygon, (D, 2); triangles with the number -1 are in none."""
+    inside = polygon >= 0
+    triangles, polygon = triangles[inside], np.repeat(polygon[inside], 3)
     ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-    sides = np.column_stack([ends, np.repeat(polygon, 3)])
-    found, count = np.unique(sides[sides[:, 2] >= 0], axis=0, return_counts=True)
-    return found[count == 2, :2]
+    order = np.lexsort([polygon, *ends.T])
+    ends, polygon = ends[order], polygon[order]
+    same = (ends[1:] == ends[:-1]).all(axis=1) & (polygon[1:] == polygon[:-1])
+    return ends[1:][same]
 
 
 def _renumbered(mesh: TriangleMesh, all_corners: Indices) -> TriangleMesh:

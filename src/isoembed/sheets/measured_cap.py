@@ -3,7 +3,9 @@
 Two copies glued along the boundary are a closed surface, to which `isoembed.aim.measured_lengths` fits one
 whose halves are smooth within the errors.  Between them is a crease, unless the cap is vertical along its
 boundary: then the double may be smooth there, too, and is taken as smooth if that predicts each length better
-from the others.  The cap is the mean of one half and of the mirror image of the other.
+from the others.  Few vertices do not show whether they are dented: if the surface misses the lengths, or is
+farther from the convex one than errors explain, the smooth double or the convex surface itself is taken.  The
+cap is the mean of one half and of the mirror image of the other.
 """
 
 from __future__ import annotations
@@ -15,9 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from isoembed.aim.acceptance import is_exact
 from isoembed.aim.adaptive import Aim
+from isoembed.aim.choice import NEAR_FIT
 from isoembed.aim.levels import smooth_start
-from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, root_mean_square
+from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, other_edges, root_mean_square
 from isoembed.aim.nearest_polyhedron import nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
 from isoembed.arrays import Floats, Indices
@@ -137,21 +141,36 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         unit = measured.normalized
         pipeline, known = Pipeline(unit, Aim(), tolerance, log), np.asarray(unit.length_errors)
         start = nearest_polyhedron(pipeline.problem, pipeline)
+        convex = pipeline.problem.surface(start)
+
+        def is_off(one: MeasuredSurface) -> bool:
+            """Whether a surface is too far from the lengths or the convex one, without a length suspected."""
+            is_near = convex.distance(one) <= NEAR_FIT * np.sqrt(max(known.max(), convex.residual))
+            return one.predicted is None and not (one.converged and is_near)
+
         with log.stage("fit within errors") as recorder:
             near = smooth_start(unit, start, recorder)
             fit = fit_within_errors(unit, known, near, recorder, one_sided)
+            found = measured_surface(unit, fit, name, tolerance)
             bends, rim = np.abs(dihedral_angles(unit.triangulation, fit.vertices)), t.boundary_edges[copies]
-            if np.median(bends[rim]) < CREASE * np.median(bends[~rim]):
-                whole, error = fit_within_errors(unit, known, near, recorder), root_mean_square(known)
-                fit = min(fit, whole, key=lambda one: one.prediction_error(error / unit.mean_length))
-        found = measured_surface(unit, fit, name, tolerance)
+            is_smooth = np.median(bends[rim]) < CREASE * np.median(bends[~rim])
+            if is_smooth or is_off(found) or not found.converged:
+                other, error = fit_within_errors(unit, known, near, recorder), root_mean_square(known)
+                whole = measured_surface(unit, other, name, tolerance)
+                ranks = [
+                    (is_off(one), of.prediction_error(error / unit.mean_length))
+                    for of, one in ((fit, found), (other, whole))
+                ]
+                found = found if ranks[0] <= ranks[1] else whole
+        if is_exact(convex) and is_off(found):
+            found = MeasuredSurface(unit, convex.vertices, method=name, tolerance=tolerance, weight=0.0)
         x = measured.unit * found.vertices
         middle = x[loop].mean(axis=0)
         axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
         half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
         cap = (half + other * [1.0, 1.0, -1.0]) / 2
-        predicted = None
-        left_out = np.empty(0, dtype=np.int64)
+        predicted = alike = None
+        suspected = copies[[np.argmax(found._standardized)]]
         if found.predicted is not None:  # of one of two copies at least
             predicted = np.full(t.n_edges, np.nan)
             left_out = np.flatnonzero(np.isfinite(found.predicted))
@@ -159,6 +178,9 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             predicted[copies[left_out]] = (
                 found.predicted[left_out] * measured.mean_length / metric.mean_length
             )
+            suspected = copies[left_out] if left_out.size else suspected
+        if found.alike is not None:  # of either copy, whose twin is no other edge
+            alike = other_edges(copies[found.alike], suspected)
         return MeasuredCap(
             metric,
             frozen(turned_about_vertical(upright(cap @ axes, cap[loop] @ axes), loop)),
@@ -169,7 +191,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             scatter=found.scatter,
             redundancy=found.redundancy,
             predicted=predicted,
-            alike=None if found.alike is None else np.setdiff1d(copies[found.alike], copies[left_out]),
+            alike=alike,
             condition="plane",
         )
 
