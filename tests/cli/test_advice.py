@@ -26,6 +26,7 @@ from isoembed.cli.advice import in_options
         ("only; isoembed.realizations(embedding) searches", "only; isoembed realizations SURFACE searches"),
         ("(method=Aim(effort=10)).", "(--effort 10)."),
         ("with isoembed.glue('a net.svg')", "with 'isoembed glue a net.svg -o surface.ply'"),
+        ('with isoembed.glue("o\'brien.svg")', "with 'isoembed glue o'brien.svg -o surface.ply'"),
         ("with isoembed.embed('m.npz')", "with 'isoembed embed m.npz -o surface.ply'"),
         ("edges_foldAngle, for isoembed.glue, or", "edges_foldAngle, for 'isoembed glue', or"),
         ("as isoembed.io.write_net writes them", "as 'isoembed unfold' writes them"),

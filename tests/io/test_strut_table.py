@@ -214,12 +214,20 @@ def test_of_two_equal_struts_the_one_with_more_digits_is_kept(finer_first, tmp_p
         ("length [in],length error (inches)", '1.5"', "0.1"),
         ("length (as built),error", "1.5 m", "0.1"),
         ("length,error (m)", "1.5 m", "0.1"),
+        ("length,error,unit", "1.5", "0.1;Meters"),
+        ("length (m),error,unit", "1.5", "0.1;"),
     ],
 )
 def test_units_that_agree(columns, length, error, tmp_path):
     table = "".join(f"{a};{b};{length};{error}\n" for a, b in OCTAHEDRON)
     metric = read_metric(written(tmp_path, f"from;to;{columns.replace(',', ';')}\n{table}"))
     assert set(metric.lengths.tolist()) == {1.5} and set(metric.length_errors.tolist()) == {0.1}
+
+
+def test_numbers_of_pieces_are_no_units(tmp_path):
+    table = "".join(f"{a},{b},1.5,{a + b}\n" for a, b in OCTAHEDRON)
+    metric = read_metric(written(tmp_path, f"from,to,length,units\n{table}"))
+    assert set(metric.lengths.tolist()) == {1.5}
 
 
 @pytest.mark.parametrize(
@@ -271,6 +279,11 @@ def test_units_that_agree(columns, length, error, tmp_path):
             "from,to,length,unit\n0,1,76,mm\n1,2,3,in\n",
             FileError,
             "line 3: the length is '3 in', but '76 mm' in line 2: all lengths need the same unit",
+        ),
+        (
+            "from,to,length,unit\n0,1,76,mm\n1,2,3,\n",
+            FileError,
+            "line 3: the length is '3', but '76 mm' in line 2: all lengths need the same unit",
         ),
         (
             "from,to,length (mm),unit\n0,1,3,in\n",

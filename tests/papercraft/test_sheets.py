@@ -224,6 +224,7 @@ def test_names_of_papers_in_any_case(typed, name):
         ({"paper": "roll:70"}, "paper is 'roll:70': less than 80 mm has no room for margins and ruler"),
         ({"size": 0.0}, "size is 0, not a positive finite number of mm"),
         ({"size": ("z", -3.0)}, "size in z is -3, not a positive finite number of mm"),
+        ({"size": ("z", None)}, r"size is \('z', None\), not a number or such as \('z', 200\)"),
         ({"size": ("w", 3.0)}, r"size is \('w', 3.0\), not a number or such as \('z', 200\)"),
         ({"size": 10.0, "scale": 2.0}, "give either a scale, here 2 mm, or a size, here 10 mm, not both"),
         ({"scale": "big"}, "scale is 'big', not a positive finite number of mm"),

@@ -134,7 +134,7 @@ def read_tables(
     A ``curvature`` is returned as a number; the vertices are then points of the space of that curvature.
     """
     if source == "-":
-        return _tables(json.read_standard_input(), "standard input", merge)
+        return _tables(json.read_standard_input(), source, merge)
     if input_ending(source) in DRAWINGS:
         raise FileError(f"{source} is a net: glue it first, with isoembed.glue({str(source)!r})")
     if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
@@ -146,7 +146,7 @@ def read_tables(
     with opened(source) as file, np.errstate(invalid="ignore"):  # some bit patterns are NaN
         format_ = FORMATS[file.ending]
         tables = format_.read(file)
-    return _tables(tables, str(source), merge, repeated=format_.repeats_vertices)
+    return _tables(tables, source, merge, repeated=format_.repeats_vertices)
 
 
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
@@ -202,15 +202,18 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
     return metric
 
 
-def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = False) -> Tables:
-    """Checked arrays of the named file; meshes are converted to points and triangles."""
+def _tables(
+    tables: Tables, source: str | os.PathLike[str], merge: float | None, repeated: bool = False
+) -> Tables:
+    """Checked arrays of a file; meshes are converted to points and triangles."""
+    name = "standard input" if source == "-" else str(source)
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         if "polygons" in tables:
-            raise FileError(f"{name} is a net: glue it first, with isoembed.glue({name!r})")
+            raise FileError(f"{name} is a net: glue it first, with isoembed.glue({str(source)!r})")
         if "q_tt" in tables:
             raise FileError(
                 f"{name} is a metric on a grid in theta and phi: "
-                f"isoembed.relativity.read_grid_data({name!r}) reads it"
+                f"isoembed.relativity.read_grid_data({str(source)!r}) reads it"
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

@@ -41,9 +41,9 @@ UNITS = MILLIMETERS | {
     **dict.fromkeys(("inch", "inches"), 25.4),
     **dict.fromkeys(("ft", "foot", "feet"), 304.8),
 }
-"""Known units behind the names of columns, in millimeters; others may be comments."""
+"""Known units of columns, in millimeters; others may be comments or numbers of pieces."""
 OWN_UNIT = "unit", "units"
-"""Columns of units of the lengths: the first of these that a table has."""
+"""Columns that may have units of the lengths: the first of these that a table has."""
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
@@ -227,9 +227,9 @@ def _split(row: _Row, columns: Sequence[str], file: InputFile) -> tuple[str, str
             f"{file}, line {row.line}: the {columns[0]} is {_short(row.cells[name])} in the column "
             f"{_short(row.headings[name])}"
         )
-    beside = _written(row, OWN_UNIT)
-    own = unit or (common if common in UNITS else "") or beside.lower()
-    if beside and UNITS.get(beside.lower(), beside) != UNITS.get(own, beside):
+    beside = _written(row, OWN_UNIT).lower()
+    own = next((name for name in (unit, common, beside) if name in UNITS), "")
+    if beside in UNITS and UNITS[beside] != UNITS[own]:
         raise FileError(
             f"{file}, line {row.line}: the {columns[0]} is {_short(f'{value} {own}')}, and its unit "
             f"{_short(beside)}"
@@ -242,7 +242,7 @@ def _without_unit(rows: Sequence[_Row], file: InputFile) -> list[tuple[str, str]
     split = [_split(row, LENGTHS, file) for row in rows]
     first, unit, common = split[0]
     for row, (value, behind, own) in zip(rows, split, strict=True):
-        if behind != unit or UNITS.get(own, own) != UNITS.get(common, common):
+        if behind != unit or UNITS.get(own) != UNITS.get(common):
             raise FileError(
                 f"{file}, line {row.line}: the length is {_short(f'{value} {own}'.strip())}, but "
                 f"{_short(f'{first} {common}'.strip())} in line {rows[0].line}: all lengths need the same "
@@ -256,7 +256,7 @@ def _length_error(row: _Row, file: InputFile) -> float:
     length, _, common = _split(row, LENGTHS, file)
     value, unit, own = _split(row, ERRORS, file)
     problem = f"{file}, line {row.line}: the length error is {_short(f'{value} {own}'.strip())}"
-    if own and (unit or common) and UNITS.get(own, own) != UNITS.get(common, common):
+    if own and (unit or common) and UNITS.get(own) != UNITS.get(common):
         raise FileError(f"{problem}, and the length {_short(f'{length} {common}'.strip())}: units differ")
     return _number(ungrouped(value).replace(",", "."), problem)
 

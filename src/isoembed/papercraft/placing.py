@@ -119,7 +119,7 @@ def _option(scale: float | None, size: float | tuple[str, float] | None) -> tupl
     """Name of the scale or size, if given, axis of the size, if it has one, and value."""
     axis = ""
     if isinstance(size, tuple):
-        if len(size) != 2 or size[0] not in AXES:
+        if len(size) != 2 or size[0] not in AXES or size[1] is None:
             raise InvalidParameter(f"size is {size!r}, not a number or such as ('z', 200)")
         axis, size = size
     options = [

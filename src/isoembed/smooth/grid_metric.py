@@ -23,12 +23,18 @@ from isoembed.smooth.double_fourier import (
 from isoembed.smooth.poles import PoleSight
 from isoembed.smooth.smoothness import check_series
 from isoembed.smooth.spectrum import SCATTER, Spectrum
-from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
+from isoembed.smooth.two_metric import (
+    ROUNDING,
+    TwoMetric,
+    angle_components,
+    are_definite,
+    from_angles,
+    is_axisymmetric,
+)
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
 SEAM = 1e-6  # largest relative difference of the columns phi = 0 and phi = 2 pi
 FINEST = 768  # angles theta on a meridian, at most, of a metric sampled for meshes
-RESOLVED = 1e-13  # largest relative error between the nodes of a grid that is fine enough for them
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -299,7 +305,9 @@ def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
         for n in (FINEST // 8, FINEST // 4):
             with suppress(InvalidMetric):  # the grid is too coarse
                 grid = GridMetric._sampled(metric, n, 1)
-                if np.abs(grid.tensor(u) - exact).max() <= RESOLVED * np.abs(exact).max():
+                # Everywhere relative to the local size: lengths at the tips of needles are short.
+                errors, sizes = (np.abs(q).max(axis=(1, 2)) for q in (grid.tensor(u) - exact, exact))
+                if (errors <= ROUNDING * sizes).all():
                     return grid
         return GridMetric._sampled(metric, FINEST, 1)
     except InvalidMetric:  # the grid is too coarse
