@@ -10,7 +10,7 @@ import zoo
 from isoembed import Aim, Embedding, PolyhedralMetric
 from isoembed.aim.acceptance import are_identical
 from isoembed.errors import InvalidParameter, NotEmbedded
-from isoembed.gallery import Ergosphere, triangulate
+from isoembed.gallery import Ellipsoid, Ergosphere, triangulate
 from isoembed.io import read_metric, read_surface
 
 NUMBERS = Path(__file__).parents[3] / "shared" / "trials" / "numbers"
@@ -114,6 +114,24 @@ def test_no_convex_one_is_a_proof_or_the_end_of_a_search():
         isoembed.embed(PolyhedralMetric.from_mesh(x, faces), method=Aim(which="convex"))
     assert refused.value.evidence.kind == "proved"
     assert not refused.value.embedding.converged  # there is a surface, which was not searched for
+
+
+@pytest.mark.parametrize("error", [1e-6, 1e-3])
+def test_a_convex_fit_is_refused_where_edges_are_concave(error):
+    """Errors bend no edge of the hull the wrong way; other triangles of its vertices have concave ones."""
+    x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)
+    noise = np.random.default_rng(0).normal(scale=error, size=3 * len(x) - 6)
+    metrics = [PolyhedralMetric.from_mesh(x, triangles) for triangles in (faces, zoo.outward_hull(x)[1])]
+    bent, convex = (metric.with_lengths(metric.lengths + noise) for metric in metrics)
+    found = isoembed.embed(convex, method=Aim(which="convex"), length_errors=error)
+    assert found.is_requested and not found.surface.concave_edges.any()
+    with pytest.raises(
+        NotEmbedded, match=r"within their errors is not convex: edge \d+ \[.*\] is concave"
+    ) as told:
+        isoembed.embed(bent, method=Aim(which="convex"), length_errors=error)
+    attempt = told.value.embedding
+    assert attempt.status == "not found" and attempt.message == str(told.value)
+    assert told.value.evidence.kind == "searched"
 
 
 @pytest.mark.parametrize(

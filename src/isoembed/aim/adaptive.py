@@ -20,6 +20,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoembed.aim.choice import no_convex
 from isoembed.aim.decisions import DECISIONS, choose
 from isoembed.aim.pipeline import Pipeline
 from isoembed.aim.strategies import STRATEGIES
@@ -79,7 +80,10 @@ class Aim(Method):
             diagnosis, or the best fit.  For lengths with errors, given or inferred from their digits, a
             smooth surface that agrees with them.
         """
-        return Pipeline(metric, self, tolerance, log).run(STRATEGIES, choose, DECISIONS)
+        found = Pipeline(metric, self, tolerance, log).run(STRATEGIES, choose, DECISIONS)
+        if self.which == "convex" and found.converged and found.surface.concave_edges.any():
+            raise no_convex(found)
+        return found
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:

@@ -119,7 +119,7 @@ def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
     if which == "smoothest":
         best = min(found, key=lambda surface: surface.surface.fine_roughness)
     elif which == "convex":
-        convex = [surface for surface in found if not surface.surface.concave_edges.any()]
+        convex = convex_ones(embedding)
         if not convex:
             raise no_convex(embedding)
         best = convex[0]
@@ -137,6 +137,11 @@ def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
             f"{target.distance(best):.1e} mean edge lengths from it"
         )
     return answer
+
+
+def convex_ones(embedding: Embedding) -> list[Embedding]:
+    """The convex surfaces among this one and the others."""
+    return [each for each in (embedding, *embedding.others) if not each.surface.concave_edges.any()]
 
 
 def _target(embedding: Embedding, vertices: Floats) -> Embedding:
@@ -210,6 +215,13 @@ def not_convex(metric: PolyhedralMetric) -> bool:
 
 def no_convex(embedding: Embedding) -> NotEmbedded:
     """The error that none is convex: of all surfaces with these lengths, or of those that were found."""
+    if embedding.metric.length_errors is not None:  # deficits are not exact, either
+        e = int(np.argmax(embedding.surface.concave_edges))
+        message = (
+            "the surface found that agrees with the lengths within their errors is not convex: edge "
+            f"{e} {embedding.edges[e].tolist()} is concave"
+        )
+        return NotEmbedded(message, embedding._with(message=message, is_requested=False))
     if not_convex(embedding.metric):
         deficits = embedding.metric.deficits
         v = int(np.argmin(deficits + deficit_rounding(embedding.metric)))

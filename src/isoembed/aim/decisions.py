@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import is_accepted
-from isoembed.aim.choice import is_convex_within, is_preferred, requested, smoothest, with_neighbors
+from isoembed.aim.choice import (
+    convex_ones,
+    is_convex_within,
+    is_preferred,
+    requested,
+    smoothest,
+    with_neighbors,
+)
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Decision, Pipeline, State
 from isoembed.aim.problem import Problem
@@ -86,12 +93,18 @@ class FitWithinDigits(Decision):
 
 
 class AskedFor(Decision):
-    """The requested realization among those found."""
+    """The requested realization among those found.
+
+    Where none is convex, a fit to lengths with errors may be.
+    """
 
     key = "asked for"
 
     def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        return pipeline.method.which is not None and answer.converged
+        which = pipeline.method.which
+        if which is None or not answer.converged:
+            return False
+        return which != "convex" or state.measured is None or bool(convex_ones(answer))
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         which = pipeline.method.which
