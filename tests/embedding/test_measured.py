@@ -79,6 +79,7 @@ def test_a_length_that_breaks_the_triangle_inequality_is_named_as_it_was_given()
     with pytest.warns(MeshNote, match="changed within their errors"):
         metric = PolyhedralMetric(FACES, lengths, TRUE.edges, length_errors=3.0).scaled(2.0)
     assert metric.lengths[three[0]] < metric.given_lengths[three[0]] == 2.0 * lengths[three[0]]
+    assert np.array_equal(metric.exact.given_lengths, metric.lengths)
     found = MeasuredSurface(metric, 2.0 * X, method="aim", tolerance=1e-10, weight=1.0)
     named = f"edge {three[0]} {TRUE.edges[three[0]].tolist()} ("
     assert f": from {2.0 * lengths[three[0]]:.10g} to " in found.message.split("check these lengths first")[1]

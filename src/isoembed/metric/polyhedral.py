@@ -319,7 +319,10 @@ class PolyhedralMetric(TriangleMetric):
         InvalidMetric
             They are of another shape, negative or not finite, or zero for some edges only.
         """
-        return self._knowing(**self._measured(errors))
+        changed = self._measured(errors)
+        if changed["length_errors"] is None:
+            changed["given_lengths"] = self.lengths
+        return self._knowing(**changed)
 
     @property
     def exact(self) -> PolyhedralMetric:
