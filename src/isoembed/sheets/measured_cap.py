@@ -145,7 +145,9 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
 
         def is_off(one: MeasuredSurface) -> bool:
             """Whether a surface is too far from the lengths or the convex one, without a length suspected."""
-            is_near = convex.distance(one) <= NEAR_FIT * np.sqrt(max(known.max(), convex.residual))
+            reach = NEAR_FIT * np.sqrt(max(known.max(), convex.residual))
+            # Of a metric that is not convex, the convex surface is not near.
+            is_near = not pipeline.problem.is_convex or convex.distance(one) <= reach
             return one.predicted is None and not (one.converged and is_near)
 
         with log.stage("fit within errors") as recorder:
