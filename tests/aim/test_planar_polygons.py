@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from isoembed import Embedding, PolyhedralMetric, embed
+from isoembed import Embedding, InvalidMetric, PolyhedralMetric, embed
 from isoembed.aim.polygon_planarity import PolygonPlanarity, has_planar_polygons
-from isoembed.io import read_metric
+from isoembed.io import read_metric, write_metric
 
 # Coordinates of the corners of polygons, of cubes of side 3.
 NOTCHED_EDGE = """
@@ -100,3 +100,16 @@ def test_diagonals_stay_with_the_metric(tmp_path):
     with pytest.warns(match="in no face"):
         read = read_metric(tmp_path / "solid.obj")
     np.testing.assert_array_equal(read.edges[read.diagonals], metric.edges[metric.diagonals])
+
+
+@pytest.mark.parametrize("ending", ["npz", "json"])
+def test_diagonals_stay_with_a_metric_in_a_file(ending, tmp_path):
+    metric = PolyhedralMetric.from_mesh(*solid(NOTCHED_EDGE))
+    write_metric(tmp_path / f"metric.{ending}", metric)
+    read = read_metric(tmp_path / f"metric.{ending}")
+    np.testing.assert_array_equal(read.diagonals, metric.diagonals)
+    assert embed(read).volume == pytest.approx(26, rel=1e-10)
+    with pytest.raises(InvalidMetric, match=r"diagonal 1 \[0, 12\] is not an edge"):
+        metric.with_diagonals(np.array([metric.edges[metric.diagonals[0]], [0, 12]]))
+    with pytest.raises(InvalidMetric, match=r"the diagonals have the shape \(3,\), not \(D, 2\)"):
+        metric.with_diagonals(np.arange(3))

@@ -17,7 +17,7 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST, lines
 from isoembed.strict_json import strict_json
 
-ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
+ROWS = {"faces": "face", "edges": "edge", "diagonals": "diagonal", "vertices": "vertex"}
 PLAIN = {"lengths": "length", "length_errors": "length error"}
 
 Document = dict[str, Any]

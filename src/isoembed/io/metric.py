@@ -154,6 +154,8 @@ def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data
     tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
     if metric.length_errors is not None:
         tables["length_errors"] = metric.length_errors
+    if len(metric.diagonals):
+        tables["diagonals"] = metric.edges[metric.diagonals]
     return tables_writer(path, tables | facts(metric))
 
 
@@ -169,8 +171,9 @@ def facts(metric: PolyhedralMetric) -> dict[str, Any]:
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
     """Write ``faces``, ``edges`` and ``lengths``, and optional data, as ``.npz`` or ``.json``.
 
-    Optional data are the ``curvature``, ``length_errors`` (E,), and the ``precision`` of the coordinates from
-    which the lengths were computed, with the root mean square ``rounding_error`` of a length.
+    Optional data are the ``curvature``, ``length_errors`` (E,), the ends (D, 2) of ``diagonals`` of planar
+    polygons, and the ``precision`` of the coordinates from which the lengths were computed, with the root
+    mean square ``rounding_error`` of a length.
 
     Raises
     ------
@@ -192,10 +195,10 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
         metric = PolyhedralMetric(*arguments, length_errors=errors, **options)
     else:
         metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **options)
-        if "diagonals" in tables:
-            metric = metric.with_diagonals(tables["diagonals"])
         if errors is not None:
             metric = metric.with_length_errors(errors)
+    if "diagonals" in tables:
+        metric = metric.with_diagonals(tables["diagonals"])
     if "rounding_error" in tables:
         error = tables["rounding_error"] / metric.mean_length
         return metric._knowing(precision=Precision(tables["precision"], error))
@@ -220,7 +223,7 @@ def _tables(
             f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices; "
             "on a grid, theta, phi, q_tt, q_tp and q_pp"
         )
-    for key in ("faces", "edges", "lengths", "length_errors", "vertices"):
+    for key in ("faces", "edges", "lengths", "length_errors", "diagonals", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
             _check_array(tables[key], key)
     if "curvature" in tables:

@@ -268,8 +268,21 @@ class PolyhedralMetric(TriangleMetric):
             object.__setattr__(self, name, value)
 
     def with_diagonals(self, pairs: Indices) -> PolyhedralMetric:
-        """Return the same metric with the edges that have these ends, (D, 2), as `diagonals`."""
-        return self._knowing(diagonals=frozen(self.triangulation.edge_indices(pairs)))
+        """Return the same metric with the edges that have these ends, (D, 2), as `diagonals`.
+
+        Raises
+        ------
+        InvalidMetric
+            Two vertices are not the ends of an edge, or the table has another shape.
+        """
+        pairs = np.asarray(pairs)
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise InvalidMetric(f"the diagonals have the shape {pairs.shape}, not (D, 2)")
+        found = self.triangulation.edge_indices(pairs)
+        if (found < 0).any():
+            k = int(np.argmax(found < 0))
+            raise InvalidMetric(f"diagonal {k} {pairs[k].tolist()} is not an edge")
+        return self._knowing(diagonals=frozen(found))
 
     def rounded_as(self, other: PolyhedralMetric | GluedMetric) -> PolyhedralMetric:
         """Return the metric with the `precision` of another in the same unit, whose surface it is."""
