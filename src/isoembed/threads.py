@@ -1,7 +1,8 @@
-"""Threads for loops that do not hold the interpreter's lock: as many as BLAS may use, up to eight.
+"""Multithreading of loops that release the global interpreter lock (GIL): task graphs, and parts of ranges.
 
-`OMP_NUM_THREADS` and ``threadpoolctl.threadpool_limits`` set their number. No result depends on it: work is
-divided in the same way for any number of threads.
+There are as many threads as BLAS may use, up to eight: `OMP_NUM_THREADS` and
+``threadpoolctl.threadpool_limits`` set their number. No result depends on it: work is divided in the same way
+for any number of threads.
 
 While they run, BLAS has one thread: the threads of OpenBLAS share vectors that are too short for that, and
 wait for more work in a loop.  It can be limited in the main thread only; in others nothing is divided.
@@ -28,7 +29,7 @@ _reserved: ContextVar[int | None] = ContextVar("_reserved", default=None)
 
 
 def thread_count() -> int:
-    """Threads that `TaskGraph.run` may use: one if it is called in another than the main thread."""
+    """Number of threads available to `TaskGraph.run`; 1 outside the main thread."""
     if not _in_main_thread():
         return 1
     reserved = _reserved.get()
@@ -47,7 +48,7 @@ def reserve_threads_of_process() -> None:
 
 @contextmanager
 def reserve_threads(count: int | None = None) -> Iterator[None]:
-    """Limit BLAS to one thread, so that those of `TaskGraph.run`, or so many of them, have the cores."""
+    """Limit BLAS to one thread and reserve the cores for `TaskGraph.run`, with `count` threads at most."""
     limited = _reserved.get() is not None or not _in_main_thread()
     before = _reserved.set(thread_count() if count is None else count)
     try:
@@ -62,7 +63,7 @@ def _in_main_thread() -> bool:
 
 
 def _wanted() -> int:
-    """The number in the first variable that has one, or that of the cores that the process may use."""
+    """Number of threads in the first environment variable that is set, or of available cores."""
     for name in ("OMP", *_LIBRARIES):
         number = os.environ.get(f"{name}_NUM_THREADS", "").split(",")[0]
         if number.isdecimal() and int(number) > 0:
@@ -78,13 +79,16 @@ def _blas() -> ThreadpoolController:
 
 
 def run_ranges(task: Callable[[range], object], count: int, fewest: int) -> None:
-    """Run a task on parts of a range, several at once, none of them shorter than the fewest.
+    """Run a task on parts of a range in parallel.
 
     Parameters
     ----------
     task : callable
         Its results must not depend on how the range is divided.
-    count, fewest : int
+    count : int
+        Length of the range.
+    fewest : int
+        Minimum length of a part.
     """
     threads = thread_count()
     parts = max(1, min(4 * threads if threads > 1 else 1, count // fewest))  # four: some finish early
@@ -140,9 +144,9 @@ class _Run:
         self._failure: BaseException | None = None
 
     def share(self, count: int) -> None:
-        """Run all tasks in so many threads.
+        """Run all tasks in new threads.
 
-        None of them is the main thread, which signals interrupt anywhere.
+        The main thread only waits, as signals may interrupt it anywhere.
         """
         last = len(self._missing) - 1
         threads = [threading.Thread(target=self.work, args=(k * last / (count - 1),)) for k in range(count)]

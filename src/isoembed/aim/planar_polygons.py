@@ -1,4 +1,4 @@
-"""Least-squares surface with given lengths and planar polygons, by the Gauss-Newton method.
+"""Gauss-Newton method for surfaces with prescribed edge lengths and planar polygonal faces.
 
 A surface with polygons of many vertices has more equations than unknowns, and a realization in which the
 polygons bend does not satisfy them: far from the surface they lead to it where lengths alone lead elsewhere.
@@ -21,7 +21,7 @@ from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.surface.vertex_system import VertexSystem
 
 WEIGHTS = 9.0 * 0.01 ** np.arange(6)
-"""Weights of squared distances from planarity; from 1 downwards, polygons bend to fit the lengths."""
+"""Penalty weights of planarity, in decreasing order: with small ones, polygons bend to fit the lengths."""
 
 NEAR = 1e-3  # mean edge lengths; largest distance from planarity at the first weight
 SOLVED = 1e-13  # mean edge lengths; residual at the level of rounding

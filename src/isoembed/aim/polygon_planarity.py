@@ -1,7 +1,7 @@
-"""Planarity of given polygons, from the diagonals into which they were cut.
+"""Planarity constraints of polygonal faces, as linear equations in the vertices.
 
-Two triangles on either side of a diagonal are coplanar, and not folded onto each other, if the segment
-between their apexes crosses the diagonal where it does in the plane.  That is linear in the vertices.
+Polygons are cut into triangles along diagonals.  The two triangles at a diagonal are coplanar, and not folded
+onto each other, if the segment between their apexes crosses the diagonal where it does in the plane.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Products of matrices in compiled modules, declared in ``blas.pxd``: NumPy's for interpreted runs."""
+"""Matrix products by BLAS for compiled modules, declared in ``blas.pxd``; by NumPy in interpreted runs."""
 
 from isoembed.arrays import Floats
 

@@ -1,4 +1,4 @@
-"""Tasks of a sparse factorization: subtrees of the elimination tree, and the supernodes above them."""
+"""Task tree of a parallel multifrontal factorization: subtrees of the elimination tree, and ancestors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edge tables of a triangulated sphere, in linear time."""
+"""Edges of a triangulated sphere, their half-edges and the edges of faces, in linear time."""
 
 import numpy as np
 
