@@ -16,7 +16,6 @@ from isoembed.aim.choice import (
     smoothest,
     with_neighbors,
 )
-from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Decision, Pipeline, State
 from isoembed.aim.problem import Problem
 from isoembed.embedding.embedding import Embedding
@@ -84,12 +83,14 @@ class FitWithinDigits(Decision):
         )
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        from isoembed.aim.measured_lengths import fit_within_digits
+        from isoembed.aim.creased_fit import convex_start, fit_with_creases
+        from isoembed.aim.measured_lengths import measured_surface, with_errors_of_digits, within_digits
 
-        start = state.start
-        if start is None:
-            start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
-        return fit_within_digits(answer, start, pipeline.log)
+        metric = with_errors_of_digits(answer.metric)
+        start = convex_start(metric, pipeline, state.start)
+        with pipeline.log.stage("fit within errors") as recorder:
+            fit = fit_with_creases(metric, start, recorder)
+        return within_digits(answer, measured_surface(metric, fit, answer.method, answer.tolerance))
 
 
 class AskedFor(Decision):

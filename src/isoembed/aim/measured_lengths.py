@@ -53,7 +53,7 @@ from isoembed.embedding.measured import (
 )
 from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Log, StageRecorder
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import length_residuals
 
 Residuals = Callable[[Floats], csr_array]
@@ -103,17 +103,6 @@ def _digits(metric: PolyhedralMetric) -> float:
     error = metric.point_rounding if metric.rounding is None else metric.rounding
     assert error is not None
     return error
-
-
-def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
-    """A smooth surface fitted to rounded lengths, or the exact one: see `within_digits`.
-
-    The fit starts from a nearby convex surface, (V, 3).
-    """
-    metric = with_errors_of_digits(exact.metric)
-    with log.stage("fit within errors") as recorder:
-        fit = fit_within_errors(metric, np.asarray(metric.length_errors), start, recorder)
-    return within_digits(exact, measured_surface(metric, fit, exact.method, exact.tolerance))
 
 
 def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:

@@ -66,14 +66,12 @@ class FitWithinErrors(Strategy):
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.best_fit import looks_noisy
-        from isoembed.aim.levels import smooth_start
-        from isoembed.aim.measured_lengths import fit_within_errors
+        from isoembed.aim.creased_fit import convex_start, fit_with_creases
 
-        metric, errors = pipeline.metric, np.asarray(pipeline.metric.length_errors)
-        start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
+        metric = pipeline.metric
+        start = convex_start(metric, pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
-            near = smooth_start(metric, start, recorder)
-            fit = fit_within_errors(metric, errors, near, recorder)
+            fit = fit_with_creases(metric, start, recorder)
         found = measured_candidate(fit, pipeline)
         # The start of a convex metric is its only convex surface.
         convex = pipeline.problem.surface(start)

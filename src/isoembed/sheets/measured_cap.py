@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
 from isoembed.aim.acceptance import is_exact
 from isoembed.aim.adaptive import Aim
@@ -24,7 +24,7 @@ from isoembed.aim.levels import smooth_start
 from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, other_edges, root_mean_square
 from isoembed.aim.nearest_polyhedron import nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.embedding.measured import MeasuredSurface, standing_out
 from isoembed.errors import InvalidMetric
 from isoembed.mesh.triangulation import frozen
@@ -34,8 +34,8 @@ from isoembed.progress.stages import Log
 from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.piecewise_smoothness import piecewise_fit_residuals
 from isoembed.surface.placement import turned_about_vertical
-from isoembed.surface.smoothness import fit_residuals
 
 if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
@@ -81,12 +81,6 @@ def explained_angles(metric: PolyhedralMetric) -> Floats:
     return np.asarray(2 * metric.triangulation.degrees * sigma.max() / metric.lengths.min())
 
 
-def _places(vertices: Indices, count: int) -> csr_array:
-    """Matrix that takes values at so many vertices to those at some of them."""
-    n = len(vertices)
-    return csr_array((np.ones(n), (np.arange(n), vertices)), shape=(n, count))
-
-
 def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> MeasuredCap:
     """Fit a cap, by the method of this name, to a normalized metric with `length_errors`.
 
@@ -128,13 +122,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     once = np.where(t.boundary_edges, np.sqrt(0.5), 1.0)
     copies = t.edge_indices(own[closed.edges])
     [loop] = t.boundaries
-    interior = diags_array((~t.boundary_vertices).astype(np.float64))
-    halves = [_places(half, closed.triangulation.n_vertices) for half in (np.arange(n), copied)]
-
-    def one_sided(vertices: Floats) -> csr_array:
-        """R of either half by itself: the double has a crease along the boundary, and no fits there."""
-        one, other = (P.T @ (interior @ fit_residuals(t, P @ vertices)) @ P for P in halves)
-        return csr_array(one + other)
+    rim = t.boundary_edges[copies]
+    one_sided = partial(piecewise_fit_residuals, closed.triangulation, rim)
 
     def fitted(errors: Floats) -> MeasuredCap:
         measured = closed.with_length_errors((once * errors)[copies])
@@ -154,7 +143,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             near = smooth_start(unit, start, recorder)
             fit = fit_within_errors(unit, known, near, recorder, one_sided)
             found = measured_surface(unit, fit, name, tolerance)
-            bends, rim = np.abs(dihedral_angles(unit.triangulation, fit.vertices)), t.boundary_edges[copies]
+            bends = np.abs(dihedral_angles(unit.triangulation, fit.vertices))
             is_smooth = np.median(bends[rim]) < CREASE * np.median(bends[~rim])
             if is_smooth or is_off(found) or not found.converged:
                 other, error = fit_within_errors(unit, known, near, recorder), root_mean_square(known)

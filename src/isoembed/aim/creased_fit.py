@@ -1,0 +1,104 @@
+"""Fits to lengths with errors, of bodies that may have creases: lenses, boxes, cylinders, domes with a floor.
+
+The nearest convex metric gives the start, and its creases.  Where the most negative deficit is within the
+errors, only negative deficits and those within the errors are changed (`isoembed.metric.repair`); diffusion
+of curvature, for other metrics, rounds all edges.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import islice
+
+import numpy as np
+
+from isoembed.aim.acceptance import PLACED
+from isoembed.aim.best_fit import TELLING, WEIGHT, BestFit
+from isoembed.aim.choice import is_convex_within
+from isoembed.aim.levels import goes_by_levels, smooth_start
+from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, root_mean_square
+from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
+from isoembed.aim.pipeline import Pipeline
+from isoembed.alexandrov.method import convex_polyhedron
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.metric.convexity import DEVIATIONS, deficit_spread
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.repair import repaired
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.measures import outward
+from isoembed.surface.piecewise_smoothness import creases, piecewise_fit_residuals
+
+CHANGED = 2.0
+"""Root mean square change of the lengths, in standard deviations, by flattening vertices that are flat."""
+
+MAX_FITS = 3
+"""Fits with different creases."""
+
+
+def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | None = None) -> Floats:
+    """Vertices of a convex polyhedron near a metric with `length_errors`, (V, 3), or an approximation of it.
+
+    `known` is that of the `nearest_polyhedron`, if it was computed.
+    """
+    if not pipeline.problem.is_convex and not goes_by_levels(metric, None):
+        convex = _convex_within_errors(metric)
+        if convex is not None:
+            try:
+                found = convex_polyhedron(convex.normalized, PLACED, pipeline.log)
+                return outward(metric.faces, convex.unit * found.vertices)
+            except (InvalidMetric, NotEmbedded):  # too thin, or an iteration that failed
+                pass
+    return nearest_polyhedron(fresh(pipeline.problem), pipeline) if known is None else known
+
+
+def _convex_within_errors(metric: PolyhedralMetric) -> PolyhedralMetric | None:
+    """Metric without negative deficits, if errors explain those of the given one."""
+    errors = np.asarray(metric.length_errors)
+    error = float(np.max(errors)) / metric.mean_length
+    if not is_convex_within(metric, error):
+        return None
+    spread = deficit_spread(metric.faces, metric.face_lengths, metric.triangulation.sides_across)
+    noise = float(DEVIATIONS * error * spread.max())
+    try:
+        flattened = repaired(metric, noise)[0]
+        if np.mean(((flattened.lengths - metric.lengths) / errors) ** 2) < CHANGED**2:
+            return flattened
+        return repaired(metric, noise, flat=np.zeros(metric.triangulation.n_vertices, dtype=np.bool_))[0]
+    except InvalidMetric:  # the changed lengths break a triangle
+        return None
+
+
+def fit_with_creases(metric: PolyhedralMetric, start: Floats, recorder: StageRecorder) -> BestFit:
+    """Fit a surface to a metric with `length_errors`, smooth between the creases of the start if it has any.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Scaled to a mean edge length of about 1.
+    start : ndarray, shape (V, 3)
+        A convex surface of similar shape and size.
+    recorder : StageRecorder
+
+    Returns
+    -------
+    BestFit
+        If those with creases miss the lengths or follow them too closely for a comparison, the best of these
+        and of one that is smooth everywhere.
+    """
+    errors, fits = np.asarray(metric.length_errors), list[BestFit]()
+    error = root_mean_square(errors) / metric.mean_length
+
+    def misses(fit: BestFit) -> bool:
+        is_vague = fit.degrees_of_freedom < TELLING * len(metric.lengths)
+        return is_vague or not measured_surface(metric, fit, "", 0.0).converged
+
+    candidates = creases(metric.triangulation, start) if metric.space.is_euclidean else ()
+    for crease in islice(candidates, MAX_FITS):
+        residuals = partial(piecewise_fit_residuals, metric.triangulation, crease, degree=2)
+        fits.append(fit_within_errors(metric, errors, start, recorder, residuals))
+        if fits[-1].weight == WEIGHT and not misses(fits[-1]):
+            break
+    if all(map(misses, fits)):
+        fits.append(fit_within_errors(metric, errors, smooth_start(metric, start, recorder), recorder))
+    return min(fits, key=lambda fit: (misses(fit), fit.prediction_error(error)))
