@@ -196,9 +196,9 @@ def test_the_space_of_a_file_that_says_it(tmp_path):
         ),
         (
             {"curvature": -9.0},
-            "point 0 is 1 from the center of the poincare model, whose boundary is at 0.666",
+            "point 0 is 1 from the center of the conformal model, whose boundary is at 0.666",
         ),
-        ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the sphere model"),
+        ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the ambient model"),
     ],
 )
 def test_what_is_refused(said, sentence, tmp_path):
