@@ -275,6 +275,10 @@ def test_numbers_of_pieces_are_no_units(tmp_path):
             FileError,
             "line 3: the length is '3 cm', but '3 mm' in line 2: all lengths need the same unit, or none",
         ),
+        ("from,to,length\n0,1,3 1/2\n", FileError, "'3 1/2', not .* write fractions as decimals, 3.5$"),
+        ("from,to,length\n0,1,14-11/16 in\n", FileError, "write fractions as decimals, 14.6875$"),
+        ("from,to,length\n0,1,3/8\n", FileError, "'3/8', .* write fractions as decimals, 0.375$"),
+        ("from,to,length\n0,1,3 1/0\n", FileError, "what '1/0' means is unclear"),
         (
             "from,to,length\n0,1,15dm\n",
             FileError,

@@ -45,6 +45,7 @@ UNITS = MILLIMETERS | {
 """Known units of columns, in millimeters; others may be comments or numbers of pieces."""
 OWN_UNIT = "unit", "units"
 """Columns that may have units of the lengths: the first of these that a table has."""
+FRACTION = re.compile(r"(?:(\d{1,9})[ -])?(\d{1,9})/([1-9]\d{0,8})(?!\d)")  # 3 1/2
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
@@ -294,6 +295,9 @@ def _number(written: str, problem: str) -> float:
         begin = NUMBER.match(written)
         rest = written[begin.end() :].strip() if begin else ""
         unclear = f": what {_short(rest)} means is unclear" if rest else ""
+        if fraction := FRACTION.match(written):
+            whole, part, of = (int(digits or 0) for digits in fraction.groups())
+            unclear = f": write fractions as decimals, {whole + part / of:.10g}"
         raise FileError(f"{problem}, not a positive finite number{unclear}")
     return value
 
