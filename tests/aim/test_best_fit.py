@@ -91,6 +91,20 @@ def test_no_other_weight_is_tried_when_no_more_may_be_spent():
     assert recorder.factorizations <= most + module.MAX_STEPS + 1
 
 
+@pytest.mark.parametrize(("body", "noise"), [("ellipsoid", 3e-3), ("peanut", 1e-3)])
+def test_no_system_is_factored_twice(body, noise, monkeypatch):
+    factored, solver = [], RegularizedEnergy.solver
+
+    def counted(energy, x, lengths, mu, damping, *more, **options):
+        factored.append((x.tobytes(), mu, damping))
+        return solver(energy, x, lengths, mu, damping, *more, **options)
+
+    monkeypatch.setattr(RegularizedEnergy, "solver", counted)
+    metric, sphere, _ = noisy(*BODIES[body](), noise)
+    fitted(metric, sphere, smooth_bodies.recorder())
+    assert len(factored) == len(set(factored)) > 1
+
+
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
     monkeypatch.setattr(module, "PROBES", 200)
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)
@@ -104,7 +118,9 @@ def test_degrees_of_freedom_are_a_trace(monkeypatch):
     J = J.reshape(len(a), n)
     penalty = np.column_stack([fits._energy.roughness(e.reshape(-1, 3), 0.0).ravel() for e in np.eye(n)])
     H = J @ np.linalg.solve(J.T @ J + mu * penalty + 1e-9 * np.eye(n), J.T)
-    assert fits._degrees_of_freedom(x, mu) == pytest.approx(len(a) - np.trace(H), rel=0.03)
+    trace, of_square = fits._traces(x, mu)
+    assert trace == pytest.approx(len(a) - np.trace(H), rel=0.03)
+    assert of_square == pytest.approx(np.trace((np.eye(len(a)) - H) @ (np.eye(len(a)) - H)), rel=0.03)
     assert 20 < np.trace(H) < len(a) - 20
 
 

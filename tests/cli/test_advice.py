@@ -1,6 +1,8 @@
 """Advice in messages: arguments in Python, options of the command on the terminal."""
 
+import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -25,8 +27,7 @@ from isoembed.cli.advice import in_options
         ("give length_errors=E; length_errors=0 takes", "give --length-error E; --length-error 0 takes"),
         ("only; isoembed.realizations(embedding) searches", "only; isoembed realizations SURFACE searches"),
         ("(method=Aim(effort=10)).", "(--effort 10)."),
-        ("with isoembed.glue('a net.svg')", "with 'isoembed glue a net.svg -o surface.ply'"),
-        ('with isoembed.glue("o\'brien.svg")', "with 'isoembed glue o'brien.svg -o surface.ply'"),
+        ("with isoembed.glue('a  net.svg')", "with `isoembed glue 'a  net.svg' -o surface.ply`"),
         ("with isoembed.embed('m.npz')", "with 'isoembed embed m.npz -o surface.ply'"),
         ("edges_foldAngle, for isoembed.glue, or", "edges_foldAngle, for 'isoembed glue', or"),
         ("as isoembed.io.write_net writes them", "as 'isoembed unfold' writes them"),
@@ -38,6 +39,37 @@ from isoembed.cli.advice import in_options
 )
 def test_arguments_become_options(argument, option):
     assert in_options(argument) == option
+
+
+@pytest.mark.parametrize("name", ["m.npz", "a  metric.npz", "o'brien.npz", "\"a\" 'b'.npz", "$(a)`b`\\n.npz"])
+def test_commands_are_as_a_shell_takes_them(name):
+    for source, words in [
+        (f"embed it first, with isoembed.embed({name!r})", ["embed", name, "-o", "surface.ply"]),
+        (f"glue it first, with isoembed.glue({name!r})", ["glue", name, "-o", "surface.ply"]),
+        (f"isoembed.relativity.read_grid_data({name!r}) reads it", ["triangulate", name]),
+    ]:
+        advised = in_options(source)
+        assert shlex.split(advised.split("with ")[-1][1:-1]) == ["isoembed", *words]
+        assert advised[-1] == "'`"[shlex.quote(name) != name]
+
+
+@pytest.mark.parametrize(
+    ("words", "advice"),
+    [
+        (["glue", "{}"], "`isoembed glue '{}' --metric metric.npz` and then"),
+        (["{}"], "; to embed a file: isoembed embed '{}'"),
+        (["embed", "m.npz", "-o", "{}.png"], "did you mean --picture '{}.png'?"),
+        (["embed", "m.npz", "n.npz", "{}.d"], "did you mean -o '{}.d'?"),
+        (["surface", "sphere", "--vertices", "12", "{}"], "did you mean -o '{}'?"),
+    ],
+)
+def test_advised_file_names_are_quoted(words, advice, call):
+    name = "a  net.json"  # two blanks
+    vault = {"polygons": [{"regular": 3}] * 4, "corners": ["abe", "bce", "cde", "dae"], "any_surface": True}
+    Path(name).write_text(json.dumps(vault))
+    status, _, err = call(*(word.format(name) for word in words))
+    assert status == 2
+    assert advice.format(name) in err
 
 
 def test_the_library_names_no_options_or_commands():

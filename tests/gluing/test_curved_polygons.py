@@ -97,7 +97,7 @@ def test_doubly_covered_triangles(k):
 REFUSALS = {
     "outside": (
         lambda: glue([[[0, 0], [1, 0], [0, 1]]] * 2, [], curvature=-1.0, model="projective"),
-        "polygon 0: point 1 is 1 from the center of the klein model, whose boundary is at 1",
+        "polygon 0: point 1 is 1 from the center of the projective model, whose boundary is at 1",
     ),
     "model": (
         lambda: glue([[[0, 0], [1, 0], [0, 1]]], [], model="poincare"),

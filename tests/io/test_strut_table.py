@@ -1,5 +1,6 @@
 """Strut tables as metrics: lengths by type or by strut, digits, and what is wrong with them."""
 
+import re
 from contextlib import nullcontext
 
 import numpy as np
@@ -11,6 +12,7 @@ from domes import dome
 from isoembed import InvalidMetric, InvalidParameter, MeshNote, embed
 from isoembed.io import FileError, read_metric
 from isoembed.io.surface import surface_of
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.struts import strut_table
 from isoembed.surface.alignment import aligned
 
@@ -48,6 +50,24 @@ def farthest(found, true):
     """The farthest vertex, of the surface or of its mirror image."""
     images = (found.vertices, found.vertices * [1, 1, -1])
     return min(np.linalg.norm(aligned(image, true) - true, axis=1).max() for image in images)
+
+
+@pytest.mark.parametrize(
+    ("missing", "sentence"),
+    [
+        ({("A0", "A2")}, "perhaps the strut between A0 and A2, or A4 and A5, is missing in the table"),
+        ({("A0", "A2"), ("A0", "A4")}, "perhaps 2 struts across it are missing in the table"),
+    ],
+)
+def test_missing_struts_are_named_by_the_hubs_around_the_hole(missing, sentence, tmp_path):
+    edges = {(f"A{a}", f"A{b}") for a, b in Triangulation(zoo.icosahedron()[1]).edges.tolist()}
+    path = tmp_path / "dome.csv"
+    path.write_text("\n".join(["from,to,length", *(f"{a},{b},1" for a, b in sorted(edges - missing))]))
+    with pytest.warns(MeshNote) as notes, pytest.raises(InvalidMetric, match="faces may be missing between"):
+        read_metric(path)
+    assert sentence in str(notes[-1].message)
+    hubs = re.findall(r"A\d+", str(notes[-1].message).split("are around")[0])
+    assert len(hubs) == 3 + len(missing) and {*sum(missing, ())} <= {*hubs}
 
 
 @pytest.mark.parametrize("shape", [dome(3), dome(4, -0.01), dome(3, -0.21), zoo.random_hull(30, 2)])
@@ -255,6 +275,10 @@ def test_numbers_of_pieces_are_no_units(tmp_path):
             FileError,
             "line 3: the length is '3 cm', but '3 mm' in line 2: all lengths need the same unit, or none",
         ),
+        ("from,to,length\n0,1,3 1/2\n", FileError, "'3 1/2', not .* write fractions as decimals, 3.5$"),
+        ("from,to,length\n0,1,14-11/16 in\n", FileError, "write fractions as decimals, 14.6875$"),
+        ("from,to,length\n0,1,3/8\n", FileError, "'3/8', .* write fractions as decimals, 0.375$"),
+        ("from,to,length\n0,1,3 1/0\n", FileError, "what '1/0' means is unclear"),
         (
             "from,to,length\n0,1,15dm\n",
             FileError,

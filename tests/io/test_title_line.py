@@ -11,6 +11,7 @@ import solids
 import zoo
 from isoembed import Embedding, Hyperbolic, InvalidMetric, PolyhedralMetric, Space, Spherical, embed
 from isoembed.embedding.polyhedron import Polyhedron
+from isoembed.errors import MeshNote
 from isoembed.gluing import unfold
 from isoembed.io import (
     METRIC_ENDINGS,
@@ -28,6 +29,7 @@ from regular_in_space import regular_solid
 
 VERTICES, FACES = zoo.random_hull(40, seed=5)
 CURVATURES = (-1.0, 0.7, -1e-9)
+TETRAHEDRON = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
 
 
 def body(curvature, kind=Embedding):
@@ -194,9 +196,9 @@ def test_the_space_of_a_file_that_says_it(tmp_path):
         ),
         (
             {"curvature": -9.0},
-            "point 0 is 1 from the center of the poincare model, whose boundary is at 0.666",
+            "point 0 is 1 from the center of the conformal model, whose boundary is at 0.666",
         ),
-        ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the sphere model"),
+        ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the ambient model"),
     ],
 )
 def test_what_is_refused(said, sentence, tmp_path):
@@ -247,6 +249,57 @@ def test_length_errors_of_metrics(ending, tmp_path):
     again = read_metric(tmp_path / f"m{ending}")
     np.testing.assert_array_equal(again.length_errors, errors)
     np.testing.assert_array_equal(again.lengths, metric.lengths)
+
+
+@pytest.mark.parametrize("ending", METRIC_ENDINGS)
+def test_lengths_in_files_are_those_given(ending, tmp_path):
+    """Also where a triangle inequality changed them within their errors: it changes them again."""
+    given = np.array([2.1, 1.0, 1.5, 1.0, 1.5, 1.5])
+    with pytest.warns(MeshNote, match="3 lengths are changed"):
+        metric = PolyhedralMetric(TETRAHEDRON, given, length_errors=0.1)
+    assert (metric.lengths != given).any()
+    write_metric(tmp_path / f"m{ending}", metric)
+    with pytest.warns(MeshNote, match="lengths are changed"):
+        again = read_metric(tmp_path / f"m{ending}")
+    np.testing.assert_array_equal(again.given_lengths, given)
+    for one, other in zip(again.tables, metric.tables, strict=True):
+        np.testing.assert_array_equal(one, other)
+    with pytest.warns(MeshNote, match="lengths are changed"):
+        wider = metric.with_length_errors(0.2)
+    with pytest.warns(MeshNote, match="lengths are changed"):
+        directly = PolyhedralMetric(TETRAHEDRON, given, length_errors=0.2)
+    np.testing.assert_array_equal(wider.given_lengths, given)
+    np.testing.assert_array_equal(wider.lengths, directly.lengths)
+    with pytest.raises(InvalidMetric, match=r"face 0 .* breaks the triangle inequality"):
+        metric.with_length_errors(1e-3)
+
+
+@pytest.mark.parametrize("ending", METRIC_ENDINGS)
+def test_lengths_stated_to_be_exact_stay_so_in_files(ending, tmp_path):
+    vertices, faces = zoo.icosphere(2)
+    lengths = PolyhedralMetric.from_mesh(vertices * [1.0, 1.1, 1.3], faces).lengths
+    rounded = PolyhedralMetric(faces, np.round(lengths, 4))
+    for metric, found in ((rounded, rounded.rounding), (rounded.with_length_errors(0.0), None)):
+        write_metric(tmp_path / f"m{ending}", metric)
+        assert read_metric(tmp_path / f"m{ending}").rounding == found
+    assert rounded.rounding > 0
+
+
+def test_a_mirrored_file_keeps_all_of_its_metric(tmp_path):
+    """The metric of a surface that is inside out in its file has its faces turned over, and nothing else."""
+    solid = body(0.0)
+    metric, vertices = solid.metric, solid.vertices
+    for stated in (metric.with_length_errors(0.01), metric.with_length_errors(0.0)):
+        tables = {"faces": metric.faces, "lengths": metric.lengths, "edges": metric.edges}
+        tables |= {"diagonals": metric.edges[:3], "precision": "7 digits", "rounding_error": 1e-7}
+        errors = {"length_errors": 0.0 if stated.length_errors is None else stated.length_errors}
+        np.savez(tmp_path / "s.npz", vertices=vertices * [1, 1, -1], **tables, **errors)
+        again = read_surface(tmp_path / "s.npz").metric
+        assert again.faces.tolist() == metric.faces[:, ::-1].tolist()
+        assert again.diagonals.tolist() == [0, 1, 2] and again.precision.name == "7 digits"
+        expected = stated.with_diagonals(metric.edges[:3])._turned_over
+        for one, other in zip(again.tables, expected.tables, strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(

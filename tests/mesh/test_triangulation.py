@@ -229,6 +229,21 @@ def test_surfaces_with_boundary_and_handles_are_no_spheres():
         holed.check_sphere()
 
 
+@pytest.mark.parametrize(
+    ("missing", "clause"),
+    [
+        ([11], r"; the face \[0, 5, 2\] may be missing"),
+        ([11, 12], r"; 2 faces may be missing .*\[0, 5, 2, 4\], with the edge \[0, 2\] or \[5, 4\]"),
+        ([11, 12, 10], r"; 3 faces may be missing between the vertices \[0, 5, 2, 4, 8\]"),
+        ([10, 11, 12, 13], ""),  # a boundary along half of the vertices
+    ],
+)
+def test_small_holes_may_be_missing_faces(missing, clause):
+    faces = np.delete(zoo.icosahedron()[1], missing, axis=0)
+    with pytest.raises(InvalidMetric, match=rf"the surface is not closed{clause}$"):
+        Triangulation(faces).check_sphere()
+
+
 def test_sides_of_a_boundary():
     disc = Triangulation(T[:3])
     assert (disc.edge_sides < 0).sum() == 3

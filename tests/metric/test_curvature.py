@@ -20,6 +20,7 @@ from isoembed.metric.curvature import (
     gaussian_curvature,
 )
 from isoembed.metric.glued import GluedMetric
+from isoembed.metric.inspection import inspect
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from regular_in_space import SOLIDS, regular_solid
@@ -207,6 +208,23 @@ def test_labels_and_orientation_change_nothing(seed):
         assert deficits(twin)[number] == pytest.approx(deficits(metric), rel=1e-10)
         assert dual_areas(twin)[number] == pytest.approx(dual_areas(metric), rel=1e-8, abs=1e-12)
         assert area(twin) == pytest.approx(area(metric), rel=1e-11)
+
+
+@pytest.mark.parametrize("size", [2.0**-1000, 2.0**-500, 2.0**500, 2.0**1000])
+def test_measures_beyond_the_floats_are_infinite_or_zero(size):
+    """Without a warning; the others are exact in powers of two."""
+    metric = PolyhedralMetric.from_mesh(*zoo.octahedron())
+    large = metric.scaled(size)
+    for areas in (face_areas, dual_areas, area):
+        with np.errstate(over="ignore"):
+            expected = areas(metric) * size * size
+        np.testing.assert_array_equal(areas(large), expected)
+    with np.errstate(over="ignore"):
+        expected = gaussian_curvature(metric) / size / size
+    np.testing.assert_array_equal(gaussian_curvature(large), expected)
+    assert GluedMetric.of(large).area == float(area(metric)) * size * size
+    measures = {one.name: one for one in inspect(large).measures}
+    assert float(measures["deficits"].text.split("4 pi to ")[1]) < 1e-14
 
 
 def test_gaussian_curvature_is_unknown_on_a_boundary():

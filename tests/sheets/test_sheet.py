@@ -569,6 +569,30 @@ def test_a_cap_of_rounded_lengths_may_have_negative_deficits_within_them():
         embed(rounded.with_lengths(lengths), boundary="plane")
 
 
+@pytest.mark.parametrize("unit", [1.0, 3e-5])
+@pytest.mark.parametrize("error", [1e-12, 1e-11])
+@pytest.mark.parametrize("rise", [0.0, 1.0])
+def test_angles_that_errors_within_the_tolerance_make_negative(rise, error, unit):
+    """Flat hexagon, or frustum of a pyramid, with vertices on their sides and inside of their faces."""
+    round_, faces = discs.hexagonal(8)
+    r, turn = np.linalg.norm(round_, axis=1), np.arctan2(round_[:, 1], round_[:, 0]) * 3 / np.pi
+    corners = np.exp(1j * np.pi / 3 * np.arange(7))
+    start = np.floor(turn % 6 + 1e-9).astype(int)
+    flat = r * (corners[start] + (turn % 6 - start) * (corners[start + 1] - corners[start]))
+    vertices = np.column_stack([flat.real, flat.imag, rise * np.minimum(0.5, 1 - r)])
+    exact = PolyhedralMetric.from_mesh(unit * vertices, faces)
+    noise = error * np.random.default_rng(0).normal(size=len(exact.lengths))
+    metric = exact.with_lengths(exact.lengths * (1 + noise))
+    assert -1e-7 < metric.deficits.min() < -2 * error
+    found = embed(metric, boundary="plane")
+    assert found.residual < 10 * error
+    assert apart(found.vertices / unit, vertices) < 1e-4
+    if rise == 0.0:
+        assert np.ptp(found.vertices[:, 2]) == 0.0 and not found.surface.concave_edges.any()
+    with pytest.raises(InvalidMetric, match="but is nonnegative on a convex cap"):
+        embed(exact.with_lengths(exact.lengths * (1 + 1e3 * noise)), boundary="plane")
+
+
 def test_a_rounded_cap_says_how_to_have_error_bars():
     dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
     rounded = dome.with_lengths(np.round(dome.lengths))

@@ -141,7 +141,7 @@ def test_no_such_model():
 
 
 def test_outside_of_the_ball_or_the_half_sphere():
-    with pytest.raises(InvalidParameter, match=r"point 1 is 2\.5 from the center of the poincare model"):
+    with pytest.raises(InvalidParameter, match=r"point 1 is 2\.5 from the center of the conformal model"):
         from_model(Hyperbolic(1.0), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.5]]), "conformal")
     with pytest.raises(InvalidParameter, match=r"point 0 is .*, which is not finite"):
         from_model(Hyperbolic(1.0), np.array([[0.0, 0.0, np.nan]]), "projective")

@@ -175,7 +175,7 @@ def test_surfaces_that_cross_themselves():
 def test_points_beyond_the_half_of_the_sphere():
     x, faces = zoo.random_hull(10, 0)
     metric = metric_of(x, faces, Spherical(0.5))
-    with pytest.raises(InvalidParameter, match="point 3 is 3 from the center of the sphere model"):
+    with pytest.raises(InvalidParameter, match="point 3 is 3 from the center of the ambient model"):
         Embedding(metric, np.where(np.arange(10)[:, None] == 3, [3.0, 0, 0], x), method="test", tolerance=1.0)
 
 

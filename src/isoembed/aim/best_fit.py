@@ -66,6 +66,8 @@ class BestFit:
         `noise` of the fit with the smallest score so far, among those with enough degrees of freedom; 0 if
         there is none, or if few are left and a smaller mu might have a smaller score.  Of a `best_fit`, the
         `Fits.scatter`.
+    left_over : float
+        Expected sum of the squared residuals for errors of the lengths with the variance 1.
     predicted : ndarray, shape (E,), or None
         Lengths of the edges suspected to be wrong, on fits without them, over the mean edge length; NaN for
         the others.
@@ -78,6 +80,7 @@ class BestFit:
     noise: float
     degrees_of_freedom: float
     scatter: float = 0.0
+    left_over: float = 0.0
     predicted: Floats | None = None
     alike: Indices | None = None
 
@@ -202,11 +205,11 @@ class Fits:
         x = self._energy.minimized(vertices, lengths, mu, 0.01, MAX_STEPS, self._recorder)
         r = self._energy.residuals(x, lengths)
         try:
-            free = self._degrees_of_freedom(x, mu)
+            free, left_over = self._traces(x, mu)
         except SingularMatrix:
             return BestFit(x, weight, np.inf, 1.0)
         noise = float(np.sqrt(r @ r / free)) / unit
-        found = BestFit(x, weight, noise, free)
+        found = BestFit(x, weight, noise, free, left_over=left_over)
         if free > TELLING * len(r):  # otherwise the score is not accurate to a percent
             self._telling.append(found)
         if not self._telling:
@@ -225,23 +228,21 @@ class Fits:
         `UNBIASED`, releases these, and smooths away less of the body.
         """
         fit = fit if fit.weight <= UNBIASED or self.exhausted else self.fit(fit.vertices, UNBIASED)
-        r = self._energy.residuals(fit.vertices, self._metric.lengths)
-        try:
-            self._degrees_of_freedom(fit.vertices, fit.weight * self._metric.mean_length**2)
-            left = np.array([self._left(fit.vertices, z) for z in self._probes])
-        except SingularMatrix:
+        if not fit.score < np.inf:
             return fit.noise
-        return float(np.sqrt(r @ r / np.mean(np.sum(left**2, axis=1)))) / self._metric.mean_length
+        r = self._energy.residuals(fit.vertices, self._metric.lengths)
+        return float(np.sqrt(r @ r / fit.left_over)) / self._metric.mean_length
 
-    def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
-        """Trace of ``I - H``, the map from errors of the lengths to residuals of the fit.
+    def _traces(self, x: Floats, mu: float) -> tuple[float, float]:
+        """Traces of ``I - H`` and of its square, where I - H maps errors of the lengths to residuals.
 
-        ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
-        ``z^T (I - H) z``, with z of random signs.
+        ``H = J (J^T J + mu R^T R)^-1 J^T``.  They are estimated by random vectors (Girard): the means of
+        ``z^T (I - H) z`` and of ``|(I - H) z|^2``, with z of random signs.
         """
         self._solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
-        left = sum(float(z @ self._left(x, z)) for z in self._probes)
-        return max(left / PROBES, 1.0)  # the estimate does not resolve smaller values
+        left = np.array([self._left(x, z) for z in self._probes])
+        trace = float(np.sum(self._probes * left)) / PROBES
+        return max(trace, 1.0), float(np.sum(left**2)) / PROBES  # smaller traces are not resolved
 
     def _left(self, x: Floats, errors: Floats) -> Floats:
         """``(I - H) e`` with H of the last fit; raises SingularMatrix."""

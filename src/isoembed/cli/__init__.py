@@ -6,6 +6,7 @@ horizon or no proof was found, 130 interrupted by Ctrl-C, 143 by SIGTERM.
 
 import argparse
 import re
+import shlex
 import sys
 import time
 import warnings
@@ -88,7 +89,9 @@ class Parser(argparse.ArgumentParser):
     def _without_option(self, word: str) -> str:
         """Suggestion to insert -o before a file name, if it is missing."""
         is_missing = "-o" in self._option_string_actions and "-o" not in self.words
-        return f"; did you mean -o {word}?" if is_missing and Path(word).suffix[1:2].isalpha() else ""
+        if is_missing and Path(word).suffix[1:2].isalpha():
+            return f"; did you mean -o {shlex.quote(word)}?"
+        return ""
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Exit with an error message, which suggests the most similar choice for a mistyped one."""
@@ -98,7 +101,7 @@ class Parser(argparse.ArgumentParser):
             if argument == "COMMAND" and given == "help":
                 question = ": of a command, isoembed COMMAND --help; of all, isoembed --help"
             if argument == "COMMAND" and Path(given).suffix:
-                question = f"; to embed a file: isoembed embed {given}"
+                question = f"; to embed a file: isoembed embed {shlex.quote(given)}"
             message = (
                 f"unknown command {given!r}{question}" if argument == "COMMAND" else f"{message}{question}"
             )

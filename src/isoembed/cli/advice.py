@@ -1,10 +1,22 @@
 """Translation of Python arguments in messages to command-line options."""
 
 import re
+import shlex
+from ast import literal_eval
+from collections.abc import Callable
+from pathlib import Path
 
 NUMBER = r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)"
+PATH = r"((?:'.+?'|\".+?\")(?=\)))"  # as repr writes it
 
-OPTIONS = (
+
+def command(*words: str | Path) -> str:
+    """``isoembed`` with these words, in quotes, as a shell takes it, also with blanks in file names."""
+    line = shlex.join(["isoembed", *map(str, words)])
+    return f"`{line}`" if "'" in line else f"'{line}'"
+
+
+OPTIONS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (rf"(?:method=)?Alexandrov\(repair={NUMBER}\)", r"--method alexandrov --repair \1"),
     (rf"(?:method=)?Aim\(effort={NUMBER}\)", r"--effort \1"),
     (r"(?:method=)?Aim\(best_fit=True\)", "--best-fit"),
@@ -19,12 +31,18 @@ OPTIONS = (
     (r"geometry=", "--geometry"),
     (r"start=", "--start"),
     (r"isoembed\.realizations\(embedding\)", "isoembed realizations SURFACE"),
-    (r"isoembed\.(embed|glue)\(([\"'])(.+?)\2\)", r"'isoembed \1 \3 -o surface.ply'"),
+    (
+        rf"isoembed\.(embed|glue)\({PATH}\)",
+        lambda found: command(found[1], literal_eval(found[2]), "-o", "surface.ply"),
+    ),
     (r"isoembed\.glue", "'isoembed glue'"),
     (r"isoembed\.io\.write_net", "'isoembed unfold'"),
     (
-        r"isoembed\.relativity\.read_grid_data\(([\"'])(.+?)\1\) reads it",
-        r"embed it with 'isoembed energy \2', or make triangles of it first, with 'isoembed triangulate \2'",
+        rf"isoembed\.relativity\.read_grid_data\({PATH}\) reads it",
+        lambda found: (
+            f"embed it with {command('energy', path := literal_eval(found[1]))}, or make triangles of it "
+            f"first, with {command('triangulate', path)}"
+        ),
     ),
     (r"isoembed\.relativity\.read_slice reads one", "'isoembed series' reads several"),
     (rf"length_errors=(E|{NUMBER})", r"--length-error \1"),

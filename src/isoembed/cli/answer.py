@@ -1,6 +1,7 @@
 """Output of commands that embed: surface files, report, closing lines, exit status."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
@@ -58,7 +59,8 @@ def requested_outputs(options: argparse.Namespace, **beside: Collection[str]) ->
             net = ", and paper nets are written by 'isoembed unfold'" * (
                 ending(options.output) in (".svg", ".pdf")
             )
-            raise UsageError(f"--output is for surfaces{net}: did you mean --{name} {options.output}?")
+            path = shlex.quote(str(options.output))
+            raise UsageError(f"--output is for surfaces{net}: did you mean --{name} {path}?")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:

@@ -3,6 +3,7 @@
 import argparse
 import csv
 import io
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
             raise UsageError(f"--{name} is for a single input; an output folder contains all reports")
     if options.output is None:
         last = options.inputs[-1]
-        meant = f"; did you mean -o {last}?" if last != "-" and not Path(last).exists() else ""
+        meant = f"; did you mean -o {shlex.quote(last)}?" if last != "-" and not Path(last).exists() else ""
         raise UsageError(
             f"{len(options.inputs)} files need an --output: the folder for their surfaces{meant}"
         )

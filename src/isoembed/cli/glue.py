@@ -8,6 +8,7 @@ from typing import Any
 
 import isoembed
 from isoembed.alexandrov.solid import Solid
+from isoembed.cli.advice import command
 from isoembed.cli.answer import add_output_options, answer, requested_outputs
 from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
 
     if not net.is_sphere and (unknown := unknown_folding(net)):
         raise UsageError(
-            f"{unknown}: 'isoembed glue {options.input} --metric metric.npz' and then "
+            f"{unknown}: {command('glue', options.input, '--metric', 'metric.npz')} and then "
             "'isoembed embed metric.npz --boundary plane', or free"
         )
 

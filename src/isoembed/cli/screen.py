@@ -65,7 +65,8 @@ def print_json(document: Any) -> None:
 def print_error(message: str, kind: str = "error") -> None:
     """Print ``isoembed: error: message``, or another kind of message, in one line, like `print_out`."""
     if sys.stderr is not None:
-        line = " ".join(f"isoembed: {kind}: {in_options(message)}".split())
+        lines = f"isoembed: {kind}: {in_options(message)}".splitlines()
+        line = " ".join(filter(None, map(str.strip, lines)))
         with suppress(OSError):  # standard error may be closed
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
 

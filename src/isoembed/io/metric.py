@@ -151,9 +151,8 @@ def read_tables(
 
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
     """Writer of a metric in the format of the path's ending; see `write_atomically`."""
-    tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
-    if metric.length_errors is not None:
-        tables["length_errors"] = metric.length_errors
+    tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.given_lengths}
+    tables |= data | metric._stated_errors
     if len(metric.diagonals):
         tables["diagonals"] = metric.edges[metric.diagonals]
     return tables_writer(path, tables | facts(metric))
@@ -171,9 +170,10 @@ def facts(metric: PolyhedralMetric) -> dict[str, Any]:
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
     """Write ``faces``, ``edges`` and ``lengths``, and optional data, as ``.npz`` or ``.json``.
 
-    Optional data are the ``curvature``, ``length_errors`` (E,), the ends (D, 2) of ``diagonals`` of planar
-    polygons, and the ``precision`` of the coordinates from which the lengths were computed, with the root
-    mean square ``rounding_error`` of a length.
+    The lengths are the `given_lengths`, so that the same metric is read again.  Optional data are the
+    ``curvature``, ``length_errors`` (E,), or 0 for lengths stated to be exact, the ends (D, 2) of
+    ``diagonals`` of planar polygons, and the ``precision`` of the coordinates from which the lengths were
+    computed, with the root mean square ``rounding_error`` of a length.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from isoembed.io.files import FileError, Tables, printable
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.precision import COARSE, PRECISION, common_unit
 from isoembed.metric.triangle_checks import first_broken, within_inequalities
 from isoembed.metric.wrong_length import wrong_length_clause
@@ -44,6 +45,7 @@ UNITS = MILLIMETERS | {
 """Known units of columns, in millimeters; others may be comments or numbers of pieces."""
 OWN_UNIT = "unit", "units"
 """Columns that may have units of the lengths: the first of these that a table has."""
+FRACTION = re.compile(r"(?:(\d{1,9})[ -])?(\d{1,9})/([1-9]\d{0,8})(?!\d)")  # 3 1/2
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
@@ -140,6 +142,7 @@ def read(file: InputFile) -> Tables:
     def check(length_errors: ArrayLike | None) -> None:
         _check_triangles(tables["faces"], edges, tables["lengths"], length_errors, hubs, rows)
         _say_which_hub_is_which(hubs)
+        _say_which_struts_may_be_missing(hubs, Triangulation(tables["faces"])._small_hole.tolist())
 
     return {**tables, "check_lengths": check}
 
@@ -292,6 +295,9 @@ def _number(written: str, problem: str) -> float:
         begin = NUMBER.match(written)
         rest = written[begin.end() :].strip() if begin else ""
         unclear = f": what {_short(rest)} means is unclear" if rest else ""
+        if fraction := FRACTION.match(written):
+            whole, part, of = (int(digits or 0) for digits in fraction.groups())
+            unclear = f": write fractions as decimals, {whole + part / of:.10g}"
         raise FileError(f"{problem}, not a positive finite number{unclear}")
     return value
 
@@ -311,6 +317,19 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
     if not few:
         named.insert(3, "...")
     warn_of_mesh(f"hubs are numbered from 0 in the order of their names: {', '.join(named)}")
+
+
+def _say_which_struts_may_be_missing(hubs: Sequence[str], hole: Sequence[int]) -> None:
+    """Warn of a hole between a few hubs, given along its boundary."""
+    if len(hole) < 4:  # struts between three hubs are a triangle
+        return
+    names = [hubs[v][:LONGEST_QUOTE] for v in hole]
+    rows = (
+        f"{len(hole) - 3} struts across it are"
+        if len(hole) > 4
+        else (f"the strut between {names[0]} and {names[2]}, or {names[1]} and {names[3]}, is")
+    )
+    warn_of_mesh(f"the hubs {', '.join(names)} are around a hole: perhaps {rows} missing in the table")
 
 
 def _listed_once(

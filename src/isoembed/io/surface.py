@@ -97,13 +97,7 @@ def surface_of(tables: Tables, name: str) -> Embedding:
         )
     straight = to_model(metric.space, vertices, "projective")
     if volume(metric.faces, np.asarray(straight / own.unit, dtype=np.float64)) < 0:
-        metric = PolyhedralMetric(
-            metric.faces[:, ::-1],
-            metric.lengths,
-            metric.edges,
-            curvature=metric.curvature,
-            length_errors=metric.length_errors,
-        ).rounded_as(metric)
+        metric = metric._turned_over
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
     if surface.surface.concave_edges.any():
         return surface

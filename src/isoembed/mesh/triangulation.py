@@ -14,6 +14,8 @@ from isoembed.mesh.checks import check_euler, checked_tables, index_array
 from isoembed.mesh.edge_tables import edge_tables
 from isoembed.mesh.loops import find
 
+LONGEST_HOLE = 6  # sides of a hole that may be an accident
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Triangulation:
@@ -139,6 +141,13 @@ class Triangulation:
         """Whether the surface is closed and of genus 0."""
         return self.is_closed and self.euler_characteristic == 2
 
+    @cached_property
+    def _small_hole(self) -> Indices:
+        """Vertices along a boundary so short that faces may be missing inside; empty if there is none."""
+        longest = min(LONGEST_HOLE, (self.n_vertices - 1) // 2)
+        none = np.empty(0, dtype=np.int64)
+        return next((loop for loop in self.boundaries if len(loop) <= longest), none)
+
     def check_sphere(self, what: str = "", instead: str = "") -> None:
         """Raise `InvalidMetric` if the surface is not a sphere; `what` names the purpose in the message."""
         if what and not self.is_sphere:
@@ -155,8 +164,16 @@ class Triangulation:
             f = int(self.edge_sides[e].max()) // 3
             raise InvalidMetric(
                 f"edge {self.edges[e].tolist()} is in face {f} only ({self.boundary_edges.sum()} such "
-                "boundary edges): the surface is not closed"
+                f"boundary edges): the surface is not closed{self._missing_faces()}"
             )
+
+    def _missing_faces(self) -> str:
+        """Clause on faces that may be missing."""
+        hole = np.roll(self._small_hole[::-1], 1).tolist()  # as a face inside would run
+        if len(hole) <= 3:
+            return f"; the face {hole} may be missing" if hole else ""
+        edge = f", with the edge {hole[::2]} or {hole[1::2]}" if len(hole) == 4 else ""
+        return f"; {len(hole) - 2} faces may be missing between the vertices {hole}{edge}"
 
     @property
     def edge_halfedges(self) -> Indices:

@@ -27,10 +27,11 @@ def face_areas(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (F,)
-        Areas, in the unit of the lengths squared.
+        Areas, in the unit of the lengths squared; infinite beyond the floats.
     """
     triangles = metric.triangles
-    return triangles.areas * triangles.unit * triangles.unit
+    with np.errstate(over="ignore"):
+        return triangles.areas * triangles.unit * triangles.unit
 
 
 def area(metric: PolyhedralMetric) -> float:
@@ -63,11 +64,12 @@ def dual_areas(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        Dual areas, in the unit of the lengths squared.
+        Dual areas, in the unit of the lengths squared; infinite beyond the floats.
     """
     triangles = metric.triangles
     duals = cast(Floats, np.bincount(metric.faces.ravel(), triangles.kites.ravel()))
-    return duals * triangles.unit * triangles.unit
+    with np.errstate(over="ignore"):
+        return duals * triangles.unit * triangles.unit
 
 
 def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
@@ -76,9 +78,11 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        Curvature, in the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
+        Curvature, in the unit of the lengths to the power -2; infinite beyond the floats.  Meaningful where
+        `dual_areas` is positive.
         NaN on a boundary, where the deficit is the exterior angle of the boundary.
     """
     normalized = metric.normalized
     turned = np.where(metric.triangulation.boundary_vertices, np.nan, deficits(normalized))
-    return metric.curvature + turned / dual_areas(normalized) / metric.unit / metric.unit
+    with np.errstate(over="ignore"):
+        return metric.curvature + turned / dual_areas(normalized) / metric.unit / metric.unit

@@ -137,8 +137,8 @@ def _measures(
     yield Measure("lengths", text, {**_range(lengths), "mean": mean})
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
-    turns = 2 * t.euler_characteristic
-    gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - turns * np.pi)
+    turns, unit = 2 * t.euler_characteristic, metric.normalized
+    gauss_bonnet = float(epsilon.sum() + unit.curvature * unit.area - turns * np.pi)
     whole = f"sum{'' if metric.space.is_euclidean else ' + curvature area'}"
     total = f"{whole} = {f'{turns} pi' if turns else '0'} to {abs(gauss_bonnet):.1e}"
     for name, some in (("deficits", ~t.boundary_vertices), ("exterior angles", t.boundary_vertices)):

@@ -333,9 +333,20 @@ class PolyhedralMetric(TriangleMetric):
             They are of another shape, negative or not finite, or zero for some edges only.
         """
         changed = self._measured(errors)
-        if changed["length_errors"] is None:
-            changed["given_lengths"] = self.lengths
-        return self._knowing(**changed)
+        sigma = changed["length_errors"]
+        if sigma is None:
+            return self._knowing(**changed, given_lengths=self.lengths)
+        if np.array_equal(self.given_lengths, self.lengths):
+            return self._knowing(**changed)
+        used = _within_errors(self.triangulation, self.given_lengths, sigma)  # not within the former errors
+        return self.with_lengths(used)._knowing(**self._known(1.0) | changed)
+
+    @property
+    def _stated_errors(self) -> dict[str, Floats]:
+        """The argument ``length_errors`` of a copy: the errors, 0 if stated to be exact, empty if unknown."""
+        if self.length_errors is not None:
+            return {"length_errors": self.length_errors}
+        return {} if self._digits_count else {"length_errors": np.zeros(())}
 
     @property
     def exact(self) -> PolyhedralMetric:
@@ -389,6 +400,12 @@ class PolyhedralMetric(TriangleMetric):
             "diagonals": self.diagonals,
             "_digits_count": self._digits_count,
         }
+
+    @property
+    def _turned_over(self) -> PolyhedralMetric:
+        """The same metric with the other orientation of its faces; the edges have the same order."""
+        turned = Triangulation(self.faces[:, ::-1])
+        return self.on(turned, self.lengths, self.space)._knowing(**self._known(1.0))
 
     def __repr__(self) -> str:
         t = self.triangulation

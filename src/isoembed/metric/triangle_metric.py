@@ -49,9 +49,9 @@ class TriangleMetric(ABC):
 
     @property
     def area(self) -> float:
-        """Area of the surface, in the unit of the lengths squared."""
+        """Area of the surface, in the unit of the lengths squared; infinite beyond the floats."""
         triangles = self.triangles
-        return float((triangles.areas * triangles.unit * triangles.unit).sum())
+        return float(triangles.areas.sum()) * triangles.unit * triangles.unit
 
     @property
     def unit(self) -> float:

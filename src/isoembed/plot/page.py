@@ -41,7 +41,7 @@ from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.pieces import Pieces
 from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
-from isoembed.space.models import MODELS, NAMES
+from isoembed.space.models import MODELS
 from isoembed.strict_json import plain
 from isoembed.surface.flat_faces import FlatFaces
 
@@ -64,8 +64,8 @@ UNITS = {
     "conformal factor": "",
 }
 TITLES = {
-    **{"poincare": "Poincaré ball", "klein": "Klein ball", "hyperboloid": "hyperboloid, x y z"},
-    **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
+    "hyperbolic": {"conformal": "Poincaré ball", "projective": "Klein ball", "ambient": "hyperboloid, x y z"},
+    "spherical": {"conformal": "stereographic", "projective": "gnomonic", "ambient": "sphere, x y z"},
 }
 """Names on the page of the models of a space."""
 TEX = {"$": "", "k_1": "k₁", "k_2": "k₂", "  ": " "}
@@ -265,7 +265,7 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
     """Curvature in the given unit of length, and the models offered on the page; None for R^3."""
     if space.is_euclidean:
         return None
-    models = [{"model": model, "name": TITLES[NAMES[space.name][model]]} for model in MODELS]
+    models = [{"model": model, "name": TITLES[space.name][model]} for model in MODELS]
     return {"curvature": space.curvature * unit * unit, "farthest": BALL_RADIUS, "models": models}
 
 

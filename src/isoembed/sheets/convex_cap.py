@@ -18,6 +18,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
+from isoembed.metric.convexity import deficit_spread
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
@@ -28,6 +29,7 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
+EXPLAINED = 2.0  # standard deviations of angles that errors of the lengths explain
 STEPS = 60  # maximum number of Newton steps
 ANY_CURVATURE = "positions (B, 3) of the boundary allow any curvature, boundary='free' prescribes none"
 EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
@@ -41,8 +43,14 @@ def check_disc(metric: PolyhedralMetric) -> None:
         raise InvalidMetric(f"the surface has {boundaries} and genus {t.genus}: a convex cap is a disc")
 
 
-def check_cap(metric: PolyhedralMetric) -> None:
+def check_cap(metric: PolyhedralMetric, tolerance: float = 0.0) -> None:
     """Refuse metrics that are not those of a convex cap.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    tolerance : float
+        Errors of the lengths, in mean edge lengths, that may have made angles negative.
 
     Raises
     ------
@@ -53,8 +61,10 @@ def check_cap(metric: PolyhedralMetric) -> None:
     check_disc(metric)
     t = metric.triangulation
     found = deficits(metric)
-    worst = int(np.argmin(found))
-    if found[worst] < -ANGLE_ROUNDING:
+    spread = deficit_spread(t.faces, metric.face_lengths, t.sides_across)
+    beyond = np.minimum(found + np.maximum(ANGLE_ROUNDING, EXPLAINED * tolerance * spread), 0.0)
+    worst = int(np.argmin(beyond))
+    if beyond[worst] < 0:
         quantity = "exterior angle of the boundary" if t.boundary_vertices[worst] else "deficit"
         raise InvalidMetric(
             f"the {quantity} at vertex {worst} is {found[worst]:.4g} radians, but is nonnegative on a "

@@ -17,6 +17,7 @@ from isoembed.evidence import Evidence
 from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import frozen
 from isoembed.method import Method
+from isoembed.metric.convexity import largest_noise
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -156,8 +157,12 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         raise InvalidParameter("boundary='plane' takes no start: the convex cap is unique")
     if metric.length_errors is not None:
         return measured_cap(metric, Sheet.name, tolerance, log)
+    heights = np.zeros(int(metric.triangulation.boundary_vertices.sum()))
     try:
-        check_cap(metric)
+        check_cap(metric, tolerance)
+        found = _raised(metric, heights, tolerance, log, "plane")
+        if not found.converged:
+            check_cap(metric)
     except InvalidMetric as error:
         if metric.rounding is None or metric.triangulation.is_closed:
             raise
@@ -165,7 +170,6 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         if (deficits(measured) < -explained_angles(measured)).any():
             raise InvalidMetric(f"{error}; with length_errors=E a smooth cap is fitted") from None
         return measured_cap(measured, Sheet.name, tolerance, log)
-    found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
     concave = int(found.surface.concave_edges.sum())
     rough = concave or found.surface.rough_edges.any() or not found.converged
     if rough and metric.rounding is not None:
@@ -197,7 +201,7 @@ def _over_heights(
             f"vertex {v} has the deficit {curved[v]:.4g}: with heights of the boundary the problem is ill "
             "posed where the curvature is not positive; give positions (B, 3)"
         )
-    check_cap(metric)
+    check_cap(metric, tolerance)
     t = metric.triangulation
     z = np.zeros(t.n_vertices)
     z[t.boundaries[0]] = heights
@@ -213,6 +217,7 @@ def _over_heights(
     found = _raised(metric, heights, tolerance, log, "heights")
     if found.converged:
         return found
+    check_cap(metric)
     return found._with_message(f"{found.message}; are the heights in the order of Triangulation.boundaries?")
 
 
@@ -222,8 +227,9 @@ def _raised(
     [loop] = metric.triangulation.boundaries
     level = heights.mean()
     rise = heights - level
+    double = doubled(metric)
     try:
-        vertices = convex_polyhedron(doubled(metric), tolerance, log).vertices
+        vertices = convex_polyhedron(double, tolerance, log, largest_noise(double.deficits)).vertices
     except NotEmbedded as failure:  # Newton's method may still converge, as shown by its residual
         vertices = failure.embedding.vertices
     half = vertices[: metric.triangulation.n_vertices]

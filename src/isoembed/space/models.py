@@ -6,7 +6,6 @@ ball, with the sphere at infinity at radius 2 / sqrt(-k), or stereographic proje
 lines.  All of them are lengths, and tend to Cartesian coordinates as the curvature tends to zero.
 """
 
-from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
@@ -18,13 +17,6 @@ from isoembed.space.space import Space
 Model = Literal["ambient", "conformal", "projective"]
 
 MODELS: tuple[Model, ...] = ("conformal", "projective", "ambient")
-
-NAMES: Mapping[str, Mapping[Model, str]] = {
-    "hyperbolic": {"ambient": "hyperboloid", "conformal": "poincare", "projective": "klein"},
-    "spherical": {"ambient": "sphere", "conformal": "stereographic", "projective": "gnomonic"},
-    "euclidean": {"ambient": "cartesian", "conformal": "cartesian", "projective": "cartesian"},
-}
-"""Names of the models in each space."""
 
 
 def to_model(space: Space, x: Floats, model: Model) -> Floats:
@@ -57,7 +49,7 @@ def from_model(space: Space, p: Floats, model: Model) -> Floats:
         if not np.isfinite(np.ravel(sizes)[i]):
             raise InvalidParameter(f"point {i} is {p.reshape(-1, 3)[i].tolist()}, which is not finite")
         raise InvalidParameter(
-            f"point {i} is {np.ravel(sizes)[i]:.9g} from the center of the {NAMES[space.name][model]} "
+            f"point {i} is {np.ravel(sizes)[i]:.9g} from the center of the {model} "
             f"model, whose boundary is at {limit:.9g}"
         )
     if model == "ambient":
