@@ -149,11 +149,12 @@ class Convexification:
         shares = triangles.shares
         mass = shares / _total(triangles.metric) * shape.areas.sum() * shape.unit**2
         self._tau = self._tau or first
+        by_factors = False
         last = first * 2.0**50  # longest diffusion time; beyond it, curvature is uneven by rounding only
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
-            density = triangles.steady(mass / self._tau, sources)
+            density, by_factors = triangles.steady(mass / self._tau, sources, by_factors)
             diffused = mass * density
             if (diffused >= margin * shares).all():
                 if not triangles.metric.space.is_euclidean:
@@ -200,17 +201,25 @@ class _Delaunay:
         K.data[on_diagonal] += diagonal  # a sum of matrices would drop zeros
         return K
 
-    def steady(self, diagonal: Floats, sources: Floats) -> Floats:
-        """Solve with the Laplacian plus a diagonal, by conjugate gradients; by factoring if these fail."""
+    @cached_property
+    def _laplacian(self) -> csc_array:
+        return cotangent_laplacian(self.metric)
+
+    def steady(self, diagonal: Floats, sources: Floats, by_factors: bool) -> tuple[Floats, bool]:
+        """Solve with the Laplacian plus a diagonal, by conjugate gradients; by factoring if these fail.
+
+        Also returned is whether it was factored: conjugate gradients fail for smaller diagonals, too.
+        """
         from scipy.sparse.linalg import cg  # slow to import, not needed for convex metrics
 
-        matrix = self.shifted(cotangent_laplacian(self.metric), diagonal)
-        jacobi = diags_array(1 / matrix.diagonal())
-        # More iterations would cost more than a factorization.
-        found, failed = cg(matrix, sources, rtol=1e-7, maxiter=150, M=jacobi)
-        if failed:
-            return self.solver().factor(matrix.data).solve(sources)
-        return cast(Floats, found)
+        matrix = self.shifted(self._laplacian.copy(), diagonal)
+        if not by_factors:
+            jacobi = diags_array(1 / matrix.diagonal())
+            # More iterations would cost more than a factorization.
+            found, failed = cg(matrix, sources, rtol=1e-7, maxiter=150, M=jacobi)
+            if not failed:
+                return cast(Floats, found), False
+        return self.solver().factor(matrix.data).solve(sources), True
 
     def solved(self, missing: Floats) -> Floats:
         """Conformal factors that change the deficits by the given amounts, to first order."""
