@@ -406,6 +406,20 @@ def test_a_sphere_is_not_graded_and_the_density_integrates_to_the_share():
     assert 4 * np.pi * mean / surface.area == pytest.approx(1.1, rel=1e-4)
 
 
+def test_meshes_of_one_surface_share_the_samples_of_its_density(monkeypatch):
+    points, density = [], Ellipsoid._area_density
+    monkeypatch.setattr(Ellipsoid, "_area_density", lambda self, u: points.append(len(u)) or density(self, u))
+    first = triangulate(Ellipsoid((2, 1.1, 1.3)), 30)
+    assert sum(points) > 100_000
+    points.clear()
+    again = triangulate(Ellipsoid((2, 1.1, 1.3)), 30)
+    assert points == []
+    for one, other in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one, other)
+    triangulate(Ellipsoid((2, 1.1, 1.4)), 30)
+    assert sum(points) > 100_000
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "surface", [Drum(), Ellipsoid((10, 1, 1)), Ergosphere(0.1), CassiniPeanut()], ids=str

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -78,15 +79,12 @@ class Cells:
         inverses of the marginal distribution in theta and of the conditional one in phi.
         """
         m, n = self.values.shape
-        cells = self.values * _heights(m, self.zone)[:, None]
-        marginal = np.concatenate([[0.0], np.cumsum(cells.sum(axis=1))])
+        marginal, conditional = self._distributions
         heights, turns = square.T
         theta = np.interp(heights, marginal / marginal[-1], np.linspace(*self.zone, m + 1))
         # The conditional distribution of the point's own height: a blend of the two nearest rows.
         row = self._row(theta)
         low = np.minimum(row.astype(np.int64), m - 2)
-        conditional = np.cumsum(self.values / self.values.sum(axis=1)[:, None], axis=1)
-        conditional = np.concatenate([np.zeros((m, 1)), conditional], axis=1)
         phi = np.empty(len(square))
         for begin in range(0, len(square), CHUNK):
             part = slice(begin, begin + CHUNK)
@@ -97,6 +95,15 @@ class Cells:
             rise = F[at, cell + 1] - F[at, cell]
             phi[part] = (cell + (turns[part] - F[at, cell]) / rise) * (2.0 * np.pi / n)
         return np.roll(directions_at(np.cos(theta), phi), self.axis - 2, axis=-1)
+
+    @cached_property
+    def _distributions(self) -> tuple[Floats, Floats]:
+        """Marginal distribution (m + 1,) in theta, up to a factor, and conditional ones (m, n + 1) in phi."""
+        m = len(self.values)
+        cells = self.values * _heights(m, self.zone)[:, None]
+        marginal = np.concatenate([[0.0], np.cumsum(cells.sum(axis=1))])
+        conditional = np.cumsum(self.values / self.values.sum(axis=1)[:, None], axis=1)
+        return marginal, np.concatenate([np.zeros((m, 1)), conditional], axis=1)
 
     def _row(self, theta: Floats) -> Floats:
         """Fractional row indices (k,) of angles theta: integers at cell centers."""

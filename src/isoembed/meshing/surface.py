@@ -1,5 +1,6 @@
 """Interfaces of surfaces to be triangulated, and vertex densities."""
 
+from functools import lru_cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -25,6 +26,9 @@ class Surface(Protocol):
     @property
     def _radius(self) -> float:
         """Radius of the sphere with the same area."""
+
+    def __hash__(self) -> int:
+        """Hash of the parameters: equal surfaces share what is computed of them."""
 
     def point(self, directions: ArrayLike) -> Floats:
         """Points (n, 3), in the unit of the user."""
@@ -86,9 +90,17 @@ def vertex_density(surface: Surface, u: Floats) -> Floats:
 
 def spread_directions(surface: Surface, square: Floats) -> Floats:
     """Directions (n, 3) with the `vertex_density`, mapped from points of the unit square (n, 2)."""
+    return _density_cells(surface).spread(square)
+
+
+@lru_cache(maxsize=8)
+def _density_cells(surface: Surface) -> Cells:
+    """Vertices per area of the sphere of directions; cached, as one surface has meshes of many sizes."""
 
     def density(u: Floats) -> Floats:
         return np.asarray(surface._area_density(u) * vertex_density(surface, u))
 
     extent = np.linalg.norm(surface._points(np.eye(3)), axis=1)
-    return Cells.of(density, CELLS, roundest_axis(extent)).spread(square)
+    cells = Cells.of(density, CELLS, roundest_axis(extent))
+    cells.values.setflags(write=False)
+    return cells
