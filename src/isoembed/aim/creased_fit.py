@@ -1,8 +1,8 @@
 """Fits to lengths with errors, of bodies that may have creases: lenses, boxes, cylinders, domes with a floor.
 
-The nearest convex metric gives the start, and its creases.  Where the most negative deficit is within the
-errors, only negative deficits and those within the errors are changed (`isoembed.metric.repair`); diffusion
-of curvature, for other metrics, rounds all edges.
+A convex polyhedron gives the start, and its creases.  Where the most negative deficit is within the errors,
+only negative deficits and those within the errors are changed (`isoembed.metric.repair`), and creases remain.
+Other metrics, and bodies without creases, start from a diffusion of the curvature, which rounds all edges.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | N
         if convex is not None:
             try:
                 found = convex_polyhedron(convex.normalized, PLACED, pipeline.log)
-                return outward(metric.faces, convex.unit * found.vertices)
+                start = outward(metric.faces, convex.unit * found.vertices)
+                if any(True for _ in creases(metric.triangulation, start)):
+                    return start
             except (InvalidMetric, NotEmbedded):  # too thin, or an iteration that failed
                 pass
     return nearest_polyhedron(fresh(pipeline.problem), pipeline) if known is None else known
