@@ -380,8 +380,23 @@ def lens(angle):
     return np.vstack([cap, cap[inside] * [1, 1, -1]]), np.vstack([faces, copied[faces[:, ::-1]]])
 
 
+def notched_prism():
+    """Prism over an L, which is not convex."""
+    outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    bottom = [(2, 1, 0), (3, 2, 0), (5, 3, 0), (5, 4, 3)]
+    top = [(6 + a, 6 + b, 6 + c) for c, b, a in bottom]
+    sides = [(i, (i + 1) % 6, (i + 1) % 6 + 6) for i in range(6)] + [
+        (i, (i + 1) % 6 + 6, i + 6) for i in range(6)
+    ]
+    return np.array([(x, y, z) for z in (0.0, 1.0) for x, y in outline]), np.array(bottom + top + sides)
+
+
 @pytest.mark.parametrize("error", [1e-4, 1e-3])
-@pytest.mark.parametrize("body", [lens(0.3), lens(0.6), divided_box(5)], ids=["flat lens", "lens", "box"])
+@pytest.mark.parametrize(
+    "body",
+    [lens(0.3), lens(0.6), divided_box(5), zoo.subdivided(*zoo.subdivided(*notched_prism()))],
+    ids=["flat lens", "lens", "box", "notched prism"],
+)
 def test_sharp_edges_are_not_folded(body, error):
     """Fits that are smooth everywhere are off by 100 to 3,000 deviations, and agree with the lengths."""
     vertices, faces = body

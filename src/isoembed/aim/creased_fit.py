@@ -20,7 +20,7 @@ from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, r
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
 from isoembed.alexandrov.method import convex_polyhedron
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.metric.convexity import DEVIATIONS, deficit_spread
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -33,7 +33,10 @@ CHANGED = 2.0
 """Root mean square change of the lengths, in standard deviations, by flattening vertices that are flat."""
 
 MAX_FITS = 3
-"""Fits with different creases."""
+"""Fits with creases of the start."""
+
+MAX_REFITS = 4
+"""Fits with creases of earlier ones."""
 
 
 def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | None = None) -> Floats:
@@ -85,22 +88,44 @@ def fit_with_creases(metric: PolyhedralMetric, start: Floats, recorder: StageRec
     Returns
     -------
     BestFit
-        If those with creases miss the lengths or follow them too closely for a comparison, the best of these
-        and of one that is smooth everywhere.
+        The one that best predicts each length from the others, of those that agree with the lengths.
+
+    Notes
+    -----
+    Without creases at the start, or if fits with them miss the lengths or follow them too closely for a
+    comparison, a fit that is smooth everywhere is next.  It folds bodies with sharp edges, but mostly along
+    these: they are the creases of further fits, as long as each predicts the lengths better.
     """
     errors, fits = np.asarray(metric.length_errors), list[BestFit]()
     error = root_mean_square(errors) / metric.mean_length
 
     def misses(fit: BestFit) -> bool:
-        is_vague = fit.degrees_of_freedom < TELLING * len(metric.lengths)
+        is_vague = fit.degrees_of_freedom <= max(1.0, TELLING * len(metric.lengths))
         return is_vague or not measured_surface(metric, fit, "", 0.0).converged
+
+    def fitted(near: Floats, crease: Mask) -> BestFit:
+        residuals = partial(piecewise_fit_residuals, metric.triangulation, crease, degree=2)
+        return fit_within_errors(metric, errors, near, recorder, residuals)
+
+    def is_enough(fit: BestFit) -> bool:
+        return fit.weight == WEIGHT and not misses(fit)
 
     candidates = creases(metric.triangulation, start) if metric.space.is_euclidean else ()
     for crease in islice(candidates, MAX_FITS):
-        residuals = partial(piecewise_fit_residuals, metric.triangulation, crease, degree=2)
-        fits.append(fit_within_errors(metric, errors, start, recorder, residuals))
-        if fits[-1].weight == WEIGHT and not misses(fits[-1]):
-            break
+        fits.append(fitted(start, crease))
+        if is_enough(fits[-1]):
+            return fits[-1]
     if all(map(misses, fits)):
         fits.append(fit_within_errors(metric, errors, smooth_start(metric, start, recorder), recorder))
+    last = min(fits, key=lambda fit: fit.prediction_error(error))
+    for _ in range(MAX_REFITS if metric.space.is_euclidean else 0):
+        sharpest = list(islice(creases(metric.triangulation, last.vertices), 1))
+        if not sharpest:
+            break
+        fits.append(fitted(last.vertices, sharpest[0]))
+        if is_enough(fits[-1]):
+            return fits[-1]
+        if fits[-1].prediction_error(error) >= last.prediction_error(error):
+            break
+        last = fits[-1]
     return min(fits, key=lambda fit: (misses(fit), fit.prediction_error(error)))

@@ -157,15 +157,20 @@ class Triangulation:
         self.check_closed()
         check_euler(self.n_vertices, self.n_faces)
 
-    def check_closed(self, *, is_seam: bool = False) -> None:
-        """Raise `InvalidMetric` if the surface has a boundary: a seam, or one where faces may be missing."""
+    def check_closed(self) -> None:
+        """Raise `InvalidMetric` if the surface has a boundary."""
         if not self.is_closed:
-            e = int(np.argmax(self.boundary_edges))
-            f = int(self.edge_sides[e].max()) // 3
-            raise InvalidMetric(
-                f"edge {self.edges[e].tolist()} is in face {f} only ({self.boundary_edges.sum()} such "
-                f"boundary edges): the surface is not closed{'' if is_seam else self._missing_faces()}"
-            )
+            raise InvalidMetric(f"{self._open_edge}{self._missing_faces()}")
+
+    @property
+    def _open_edge(self) -> str:
+        """Clause on the first boundary edge."""
+        e = int(np.argmax(self.boundary_edges))
+        f = int(self.edge_sides[e].max()) // 3
+        return (
+            f"edge {self.edges[e].tolist()} is in face {f} only ({self.boundary_edges.sum()} such "
+            "boundary edges): the surface is not closed"
+        )
 
     def _missing_faces(self) -> str:
         """Clause on faces that may be missing."""

@@ -181,7 +181,7 @@ class PolyhedralMetric(TriangleMetric):
         try:
             triangulation = Triangulation(triangles)
             if not triangulation.is_closed and merging_advice(points, triangles):
-                triangulation.check_closed(is_seam=True)
+                raise InvalidMetric(triangulation._open_edge)  # a seam whose vertices stand twice
             if len(points) > triangulation.n_vertices:
                 raise InvalidMetric(f"vertex {triangulation.n_vertices} is in no face")
             size = np.abs(points).max() or 1.0  # keeps the squares from under- and overflowing
