@@ -42,10 +42,6 @@ from isoembed.space import EUCLIDEAN, Space
 
 Interval = tuple[float, float]
 
-SAMPLES = 4096  # circles of latitude where series are checked: features of 2e-4 radians are found
-MISSED = 100.0  # errors of a series, in tolerances of its coefficients, that are not those of its tail
-ROUNDS = 4  # refinements about features that were missed
-
 
 @dataclass(frozen=True, eq=False)
 class AxisymmetricEmbedding:
@@ -116,7 +112,9 @@ class AxisymmetricEmbedding:
 
         _check_symmetry(metric, tolerance)
         scale = float(components(np.linspace(-1.0, 1.0, 65))[1].max())
-        (T, P, sheared), resolution = _resolved(lambda x: components(x) / scale)
+        (T, P, sheared), resolution = fitted(
+            lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
+        )
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
         # Errors of lengths grow at the poles.
         length_error = 20.0 * float(getattr(metric, "error", EXACT).pointwise)
@@ -443,31 +441,6 @@ class _OverSquaredSine:
         values[south] = chebyshev.chebval(self._f.local(x[south])[1], self._first) / (1.0 - x[south])
         values[north] = chebyshev.chebval(self._f.local(x[north])[1], self._last) / (1.0 + x[north])
         return values
-
-
-def _resolved(f: Callable[[Floats], Floats]) -> tuple[tuple[Piecewise, ...], float]:
-    """Series for functions f: (n,) -> (m, n) of x = cos(theta), and the relative accuracy reached.
-
-    Features between the nodes of large pieces are found at `SAMPLES` circles of latitude, and resolved by
-    smaller pieces about them.
-    """
-    x = -np.cos(np.pi / SAMPLES * (np.arange(SAMPLES) + 0.5))
-    values, breaks = f(x), np.array([-1.0, 0.0, 1.0])
-    scale = np.abs(values).max(axis=1, keepdims=True)
-    for _ in range(ROUNDS):
-        series, resolution = fitted(f, breaks, weighted=False)
-        missed = np.max(np.abs(values - np.stack([one(x) for one in series])) / scale, axis=0)
-        off = np.flatnonzero(missed > MISSED * resolution)
-        if not off.size:
-            return series, resolution
-        for run in np.split(off, np.flatnonzero(np.diff(off) > 1) + 1):
-            about = np.array([run[0] - 1, run[np.argmax(missed[run])], run[-1] + 1])
-            breaks = np.union1d(breaks, x[np.clip(about, 0, SAMPLES - 1)])
-    worst = int(np.argmax(missed))
-    raise InvalidMetric(
-        f"the metric varies too rapidly near theta = {_theta(x[worst]):.6g}: polynomials miss it by "
-        f"{missed[worst]:.1e}"
-    )
 
 
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:

@@ -152,9 +152,7 @@ class Band:
             turning = np.arctan2(slope, rho_theta) * rho_theta + 2.0 * bent * fall
             return np.stack([fall, turning]) * (half * np.sin(tau))
 
-        shares = (np.arccos(self.metric.T.breaks) - self.start) / (2.0 * half)
-        own = 2.0 * np.arcsin(np.sqrt(shares[(shares > 0.0) & (shares < 1.0)]))  # resolve narrow features
-        (fall, moment), _ = fitted(integrands, np.union1d([0.0, 0.5 * np.pi, np.pi], own), weighted=True)
+        (fall, moment), _ = fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
         return fall.primitive(), moment.primitive()
 
 
