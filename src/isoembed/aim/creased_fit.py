@@ -42,7 +42,7 @@ MAX_REFITS = 4
 def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | None = None) -> Floats:
     """Vertices of a convex polyhedron near a metric with `length_errors`, (V, 3), or an approximation of it.
 
-    `known` is that of the `nearest_polyhedron`, if it was computed.
+    `known`: vertices of the `nearest_polyhedron`, if computed already.
     """
     if not pipeline.problem.is_convex and not goes_by_levels(metric, None):
         convex = _convex_within_errors(metric)

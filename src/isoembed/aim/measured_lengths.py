@@ -14,6 +14,8 @@ other residuals but at least the errors.  If one is too large, the fits are repe
 largest of as many normal errors is at most 4.6); of 46 with one length wrong by 35 deviations 35 had one, and
 it was the wrong length.
 
+Bodies with sharp edges are fitted in `isoembed.aim.creased_fit`.
+
 On rough ellipsoids of 80 vertices this was closer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
 
@@ -153,7 +155,7 @@ def fit_within_errors(
     errors : ndarray, shape (E,)
         Standard deviations of the lengths.
     start : ndarray, shape (V, 3)
-        A smooth surface of similar shape and size.
+        A surface of similar shape and size, smooth between its creases.
     recorder : StageRecorder
     residuals : callable, optional
         The matrix R about given vertices, of a surface that is not smooth everywhere.

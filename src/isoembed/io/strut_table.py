@@ -45,7 +45,7 @@ UNITS = MILLIMETERS | {
 """Known units of columns, in millimeters; others may be comments or numbers of pieces."""
 OWN_UNIT = "unit", "units"
 """Columns that may have units of the lengths: the first of these that a table has."""
-FRACTION = re.compile(r"(?:(\d{1,9})[ -])?(\d{1,9})/([1-9]\d{0,8})(?!\d)")  # 3 1/2
+FRACTION = re.compile(r"(?:(\d{1,9})[ -])?(\d{1,9})/([1-9]\d{0,8})(?![\d/])")  # 3 1/2
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""

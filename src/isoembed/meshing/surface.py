@@ -16,7 +16,7 @@ class Surface(Protocol):
     """Closed surface parametrized by the unit sphere: each point has a unit vector, its direction.
 
     The underscored methods take unit vectors u (n, 3) and use the surface's own unit of length, in which its
-    size is of order 1.
+    size is of order 1.  Surfaces are immutable and hashable: equal ones share their vertex density.
     """
 
     @property

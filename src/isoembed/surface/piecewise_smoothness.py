@@ -21,10 +21,10 @@ CONTRAST = 6.0
 
 
 def creases(triangulation: Triangulation, vertices: Floats) -> Iterator[Mask]:
-    """Yield edges of a closed surface between its smooth pieces, (E,): the sharpest ones, then more of them.
+    """Yield masks (E,) of creases of a closed surface, edges between its smooth pieces, sharpest first.
 
-    They are among the sharp edges, if the bends of all edges are of two kinds, and then if the bends of the
-    others are.  Sharp edges that do not separate pieces are none.
+    The bends of all edges are split in two classes, and then the smaller ones again.  Sharp edges within a
+    piece are no creases.
 
     References
     ----------
