@@ -392,6 +392,25 @@ def notched_prism():
 
 
 @pytest.mark.parametrize("error", [1e-4, 1e-3])
+def test_a_rod_one_edge_wide_is_not_folded(error):
+    """All vertices are on its edges, and nothing is smoothed: a fit encloses half of the volume."""
+    corners = np.array([(y, z) for y, z in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    vertices = np.array([(x, *corner) for x in range(9) for corner in corners], dtype=float)
+    sides = []
+    for i, j in np.ndindex(8, 4):
+        a, b = 4 * i + j, 4 * i + (j + 1) % 4
+        sides += [(a, a + 4, b), (b, a + 4, b + 4)] if j > 1 else [(a, a + 4, b + 4), (a, b + 4, b)]
+    ends = [(0, 1, 2), (0, 2, 3), (34, 33, 32), (35, 34, 32)]
+    metric = PolyhedralMetric.from_mesh(vertices, sides + ends)
+    sigma = error * metric.mean_length
+    lengths = metric.lengths + np.random.default_rng(0).normal(0, sigma, len(metric.lengths))
+    found = embed(metric.with_lengths(lengths), length_errors=sigma)
+    assert found.converged
+    assert found.volume == pytest.approx(8, rel=0.1)
+    assert found.distance(vertices) < 100 * error
+
+
+@pytest.mark.parametrize("error", [1e-4, 1e-3])
 @pytest.mark.parametrize(
     "body",
     [lens(0.3), lens(0.6), divided_box(5), zoo.subdivided(*zoo.subdivided(*notched_prism()))],

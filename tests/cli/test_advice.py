@@ -72,6 +72,12 @@ def test_advised_file_names_are_quoted(words, advice, call):
     assert advice.format(name) in err
 
 
+@pytest.mark.parametrize("path", [r"'\x'", r"'\U00110000'", "'a\nb'", r"'\'"])
+def test_what_is_no_string_of_python_is_left(path):
+    message = f"hub isoembed.embed({path}) is in one strut"
+    assert in_options(message) == message
+
+
 def test_the_library_names_no_options_or_commands():
     package = Path(isoembed.__file__).parent
     strings = re.compile(r"""["'].*?(?<![-\w`])--[a-z][a-z-]+|(?<!`)['`]isoembed [a-z]""")

@@ -1,4 +1,4 @@
-"""Fits to lengths with errors, of bodies that may have creases: lenses, boxes, cylinders, domes with a floor.
+"""Least-squares fits to lengths with errors, of surfaces with creases: lenses, boxes, cylinders, prisms.
 
 A convex polyhedron gives the start, and its creases.  Where the most negative deficit is within the errors,
 only negative deficits and those within the errors are changed (`isoembed.metric.repair`), and creases remain.
@@ -14,13 +14,14 @@ import numpy as np
 
 from isoembed.aim.acceptance import PLACED
 from isoembed.aim.best_fit import TELLING, WEIGHT, BestFit
-from isoembed.aim.choice import is_convex_within
+from isoembed.aim.choice import FOLDED, is_convex_within
 from isoembed.aim.levels import goes_by_levels, smooth_start
 from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, root_mean_square
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats, Mask
+from isoembed.embedding.measured import MeasuredSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.metric.convexity import DEVIATIONS, deficit_spread
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -38,6 +39,9 @@ MAX_FITS = 3
 MAX_REFITS = 4
 """Fits with creases of earlier ones."""
 
+GAIN = 0.5
+"""Prediction error of such a fit, over that of the one before, at which another follows."""
+
 
 def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | None = None) -> Floats:
     """Vertices of a convex polyhedron near a metric with `length_errors`, (V, 3), or an approximation of it.
@@ -50,7 +54,7 @@ def convex_start(metric: PolyhedralMetric, pipeline: Pipeline, known: Floats | N
             try:
                 found = convex_polyhedron(convex.normalized, PLACED, pipeline.log)
                 start = outward(metric.faces, convex.unit * found.vertices)
-                if any(True for _ in creases(metric.triangulation, start)):
+                if next(creases(metric.triangulation, start), None) is not None:
                     return start
             except (InvalidMetric, NotEmbedded):  # too thin, or an iteration that failed
                 pass
@@ -82,26 +86,33 @@ def fit_with_creases(metric: PolyhedralMetric, start: Floats, recorder: StageRec
     metric : PolyhedralMetric
         Scaled to a mean edge length of about 1.
     start : ndarray, shape (V, 3)
-        A convex surface of similar shape and size.
+        A convex surface of similar shape and size: the `convex_start`.
     recorder : StageRecorder
 
     Returns
     -------
     BestFit
-        The one that best predicts each length from the others, of those that agree with the lengths.
+        The one that best predicts each length from the others, of those that agree with the lengths and leave
+        enough degrees of freedom to tell; if there is none, of all.
 
     Notes
     -----
     Without creases at the start, or if fits with them miss the lengths or follow them too closely for a
     comparison, a fit that is smooth everywhere is next.  It folds bodies with sharp edges, but mostly along
-    these: they are the creases of further fits, as long as each predicts the lengths better.
+    these: they are the creases of further fits, as long as each predicts the lengths twice as well.
+
+    A fit that encloses much less than a convex surface which agrees with the lengths, too, is folded: the
+    convex one is taken.  So it is for rods one edge wide, whose creases leave no vertex to be smoothed.
     """
     errors, fits = np.asarray(metric.length_errors), list[BestFit]()
     error = root_mean_square(errors) / metric.mean_length
 
+    def surface(fit: BestFit) -> MeasuredSurface:
+        return measured_surface(metric, fit, "", 0.0)
+
     def misses(fit: BestFit) -> bool:
         is_vague = fit.degrees_of_freedom <= max(1.0, TELLING * len(metric.lengths))
-        return is_vague or not measured_surface(metric, fit, "", 0.0).converged
+        return is_vague or not surface(fit).converged
 
     def fitted(near: Floats, crease: Mask) -> BestFit:
         residuals = partial(piecewise_fit_residuals, metric.triangulation, crease, degree=2)
@@ -123,9 +134,10 @@ def fit_with_creases(metric: PolyhedralMetric, start: Floats, recorder: StageRec
         if not sharpest:
             break
         fits.append(fitted(last.vertices, sharpest[0]))
-        if is_enough(fits[-1]):
-            return fits[-1]
-        if fits[-1].prediction_error(error) >= last.prediction_error(error):
+        if is_enough(fits[-1]) or fits[-1].prediction_error(error) > GAIN * last.prediction_error(error):
             break
         last = fits[-1]
-    return min(fits, key=lambda fit: (misses(fit), fit.prediction_error(error)))
+    best = min(fits, key=lambda fit: (misses(fit), fit.prediction_error(error)))
+    convex = BestFit(start, weight=0.0, noise=0.0, degrees_of_freedom=1.0)
+    is_folded = surface(best).volume < FOLDED * surface(convex).volume
+    return convex if is_folded and is_convex_within(metric, error) and surface(convex).converged else best

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 NUMBER = r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)"
-PATH = r"((?:'.+?'|\".+?\")(?=\)))"  # as repr writes it
+ESCAPED = r"(?:[^\\\n]|\\[\\'\"tnr]|\\x[0-9a-f]{2}|\\u[0-9a-f]{4}|\\U00(?:0[0-9a-f]|10)[0-9a-f]{4})+?"
+PATH = rf"((?:'{ESCAPED}'|\"{ESCAPED}\")(?=\)))"  # as repr writes it
 
 
 def command(*words: str | Path) -> str:

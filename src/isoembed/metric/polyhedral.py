@@ -320,7 +320,7 @@ class PolyhedralMetric(TriangleMetric):
         return metric
 
     def with_length_errors(self, errors: ArrayLike) -> PolyhedralMetric:
-        """Return the same metric with standard deviations of its lengths; errors of zero make it exact.
+        """Return the metric with standard deviations of its given lengths; errors of zero make it exact.
 
         Parameters
         ----------
@@ -330,7 +330,13 @@ class PolyhedralMetric(TriangleMetric):
         Raises
         ------
         InvalidMetric
-            They are of another shape, negative or not finite, or zero for some edges only.
+            They are of another shape, negative or not finite, or zero for some edges only; or they do not
+            explain a broken triangle inequality of the given lengths.
+
+        Warns
+        -----
+        MeshNote
+            Lengths are changed within their errors, to obey a triangle inequality.
         """
         changed = self._measured(errors)
         sigma = changed["length_errors"]
@@ -338,7 +344,7 @@ class PolyhedralMetric(TriangleMetric):
             return self._knowing(**changed, given_lengths=self.lengths)
         if np.array_equal(self.given_lengths, self.lengths):
             return self._knowing(**changed)
-        used = _within_errors(self.triangulation, self.given_lengths, sigma)  # not within the former errors
+        used = _within_errors(self.triangulation, self.given_lengths, sigma)
         return self.with_lengths(used)._knowing(**self._known(1.0) | changed)
 
     @property

@@ -1,6 +1,6 @@
-"""Roughness of surfaces that are smooth but for creases: sharp edges that bound smooth pieces.
+"""Piecewise smoothness: creases of a surface, and local polynomial fits on either side of them.
 
-A fit to neighbors across a crease, such as the rim of a lens, would smooth it.
+A fit to neighbors on both sides of a crease, such as the rim of a lens, would smooth it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import dihedral_angles
+from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
 from isoembed.surface.smoothness import fit_residuals
 
 CONTRAST = 6.0
@@ -36,7 +36,7 @@ def creases(triangulation: Triangulation, vertices: Floats) -> Iterator[Mask]:
         count, total = np.arange(1, len(gentle)), np.cumsum(gentle)[:-1]
         low, high = total / count, (gentle.sum() - total) / (len(gentle) - count)
         best = int(np.argmax((high - low) ** 2 * count * (len(gentle) - count)))
-        if not high[best] > CONTRAST * low[best]:
+        if not high[best] > max(CONTRAST * low[best], FLAT_ANGLE):
             return
         gentle = gentle[: best + 1]
         piece = _pieces(triangulation, bends > gentle[-1])
