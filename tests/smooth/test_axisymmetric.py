@@ -400,3 +400,32 @@ def test_an_obstruction_between_samples_is_found(depth):
     else:
         ((start, stop),) = e.obstruction
         np.testing.assert_allclose(np.cos([stop, start]), [0.4566, 0.4568], atol=1e-8)
+
+
+def ridged(width, place, height):
+    """Sphere with a narrow ridge: its components at theta, and the areas of ridge and sphere."""
+
+    def factor(theta):
+        return 1 + height * np.exp(-(((np.asarray(theta) - place) / width) ** 2))
+
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    theta = place + 8 * width * nodes
+    ridge = 2 * np.pi * 8 * width * weights @ (np.sin(theta) * (factor(theta) - 1))
+    return factor, lambda theta: np.sin(theta) ** 2 * factor(theta), ridge
+
+
+@pytest.mark.parametrize("place", [0.4, 1.0, 1.2345, np.pi / 2])
+@pytest.mark.parametrize("width", [0.01, 0.003, 3e-4])
+def test_narrow_features_are_resolved(width, place):
+    """They were between all nodes of large pieces."""
+    q_tt, q_pp, ridge = ridged(width, place, 0.1 * width)
+    found = AxisymmetricEmbedding.from_components(q_tt, q_pp)
+    assert found.area - 4 * np.pi == pytest.approx(ridge, rel=1e-10, abs=1e-13)
+    theta = np.linspace(place - 3 * width, place + 3 * width, 500)
+    np.testing.assert_allclose(found.rho(theta) ** 2, q_pp(theta), rtol=1e-12)
+    # z' = -sqrt(q_tt - rho'^2), with rho' as differences of the given function
+    h = 1e-3 * width
+    slope = (np.sqrt(q_pp(theta + h)) - np.sqrt(q_pp(theta - h))) / (2 * h)
+    fall = np.sqrt(q_tt(theta) - slope**2)
+    drops = np.diff(found.z(theta)), -np.diff(theta) * (fall[1:] + fall[:-1]) / 2
+    np.testing.assert_allclose(*drops, rtol=1e-4)

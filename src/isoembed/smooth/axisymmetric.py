@@ -29,8 +29,9 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.band import Band, checked_angles
-from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, fitted
+from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, Samples, fitted
 from isoembed.smooth.two_metric import (
+    NEAR_POLE,
     AngleMetric,
     TwoMetric,
     angle_components,
@@ -41,6 +42,8 @@ from isoembed.smooth.uncertain import EXACT
 from isoembed.space import EUCLIDEAN, Space
 
 Interval = tuple[float, float]
+
+SAMPLES = 4096  # circles of latitude where series are checked: features of 2e-4 radians are found
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +116,10 @@ class AxisymmetricEmbedding:
         _check_symmetry(metric, tolerance)
         scale = float(components(np.linspace(-1.0, 1.0, 65))[1].max())
         (T, P, sheared), resolution = fitted(
-            lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
+            lambda x: components(x) / scale,
+            np.array([-1.0, 0.0, 1.0]),
+            weighted=False,
+            samples=_samples(lambda x: components(x) / scale),
         )
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
         # Errors of lengths grow at the poles.
@@ -441,6 +447,14 @@ class _OverSquaredSine:
         values[south] = chebyshev.chebval(self._f.local(x[south])[1], self._first) / (1.0 - x[south])
         values[north] = chebyshev.chebval(self._f.local(x[north])[1], self._last) / (1.0 + x[north])
         return values
+
+
+def _samples(f: Callable[[Floats], Floats]) -> Samples:
+    """Values of f at `SAMPLES` circles of latitude, except where metrics in angles are extrapolated."""
+    theta = np.pi / SAMPLES * (np.arange(SAMPLES)[::-1] + 0.5)
+    theta = theta[np.sin(theta) >= NEAR_POLE]
+    # q_pp is often a difference, divided by sin^2(theta).
+    return Samples(np.cos(theta), f(np.cos(theta)), 2.0 * np.finfo(float).eps / np.sin(theta) ** 2)
 
 
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:

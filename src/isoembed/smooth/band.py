@@ -152,7 +152,12 @@ class Band:
             turning = np.arctan2(slope, rho_theta) * rho_theta + 2.0 * bent * fall
             return np.stack([fall, turning]) * (half * np.sin(tau))
 
-        (fall, moment), _ = fitted(integrands, np.array([0.0, 0.5 * np.pi, np.pi]), weighted=True)
+        shares = (np.arccos(self.metric.T.breaks[1:-1]) - self.start) / (2.0 * half)
+        own = 2.0 * np.arcsin(np.sqrt(np.clip(shares, 0.0, 1.0)))  # resolve narrow features of the metric
+        breaks = np.union1d([0.0, 0.5 * np.pi, np.pi], own)
+        breaks = breaks[np.append(True, np.diff(breaks) > 1e-12)]
+        breaks[-1] = np.pi
+        (fall, moment), _ = fitted(integrands, breaks, weighted=True)
         return fall.primitive(), moment.primitive()
 
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 
 PIECE_DEGREE = 32  # higher degrees lose digits in differentiation
+MISSED = 100.0  # error between nodes, in tolerances, that is not that of the tail of a series
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +53,26 @@ class Piecewise:
         return Piecewise(self.breaks, series)
 
 
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Values (m, n) of m functions at x (n,), and their rounding errors (n,), relative to the largest."""
+
+    x: Floats
+    values: Floats
+    rounding: Floats
+
+
 def fitted(
-    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool
+    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, samples: Samples | None = None
 ) -> tuple[tuple[Piecewise, ...], float]:
     """Series for m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
 
-    Pieces are bisected until their series converge.  `weighted` weights errors by the widths of the pieces,
-    which suffices for integrals.  The tolerance is relaxed if noise leads to too many pieces.
+    Pieces are bisected until their series converge, and agree with the `samples`: features narrower than the
+    distance of the nodes leave no trace in the series.  `weighted` weights errors by the widths of the
+    pieces, which suffices for integrals.  The tolerance is relaxed if noise leads to too many pieces.
     """
     for tolerance in (2e-15, 2e-14, 2e-13, 2e-12, 2e-11, 2e-10, 2e-9, 2e-8, 2e-7, 2e-6, 2e-5):
-        result = _bisected(f, breaks, weighted, tolerance)
+        result = _bisected(f, breaks, weighted, tolerance, samples)
         if result is not None:
             return result, tolerance
     raise InvalidMetric(
@@ -70,7 +81,11 @@ def fitted(
 
 
 def _bisected(
-    f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
+    f: Callable[[Floats], Floats],
+    breaks: Floats,
+    weighted: bool,
+    tolerance: float,
+    samples: Samples | None,
 ) -> tuple[Piecewise, ...] | None:
     n = PIECE_DEGREE + 1
     # Integer multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
@@ -94,7 +109,10 @@ def _bisected(
         tail = np.abs(series[-4:]).max(axis=0) / scale[:, None]
         if weighted:
             tail = tail * (right - left) / total
-        good = (tail <= tolerance).all(axis=0) | (right - left <= 1e-13 * total)
+        good = (tail <= tolerance).all(axis=0)
+        if samples is not None and good.any():
+            good[good] = _agrees(series[:, :, good], left[good], right[good], samples, MISSED * tolerance)
+        good |= right - left <= 1e-13 * total
         # Drop coefficients at rounding level, which differentiation would amplify.
         end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
         starts.append(left[good])
@@ -106,3 +124,16 @@ def _bisected(
     series = np.concatenate(intervals, axis=2)[:, :, order]
     ends = np.append(start[order], breaks[-1])
     return tuple(Piecewise(ends, series[:, m]) for m in range(series.shape[1]))
+
+
+def _agrees(series: Floats, left: Floats, right: Floats, samples: Samples, tolerance: float) -> Mask:
+    """Whether the series (degree + 1, m, k) of each piece (k,) agree with the samples on it."""
+    order = np.argsort(left)
+    piece = order[np.clip(np.searchsorted(left[order], samples.x, side="right") - 1, 0, None)]
+    inside = (samples.x >= left[piece]) & (samples.x <= right[piece])
+    x, piece = samples.x[inside], piece[inside]
+    t = ((x - left[piece]) - (right[piece] - x)) / (right[piece] - left[piece])
+    error = np.abs(chebyshev.chebval(t, series[:, :, piece], tensor=False) - samples.values[:, inside])
+    scale = np.abs(samples.values).max(axis=1, keepdims=True)
+    missed = (error > scale * (tolerance + samples.rounding[inside])).any(axis=0)
+    return np.bincount(piece, missed, len(left)) == 0.0
