@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import isoembed
+import rocks
 import smooth_bodies
 import zoo
 from isoembed.aim.adaptive import Aim
@@ -250,3 +251,13 @@ def test_without_a_convex_metric_it_begins_on_the_sphere(monkeypatch):
     surface, error = recovered(*triangulate(CassiniPeanut(), 300))
     assert "sphere" in [stage.name for stage in surface.stages]
     assert error < 1e-9
+
+
+def test_flat_faces_are_found_between_unaligned_vertices():
+    """A cylinder with edges across its rims: Newton steps ended at 4e-10, where J is singular."""
+    directions, faces = rocks.rock(0, rough=0.0, n=800)
+    u = directions / [150.0, 120.0, 100.0]
+    vertices = u / np.maximum(np.hypot(u[:, 0], u[:, 1]), np.abs(u[:, 2]) / 0.7)[:, None]
+    surface, misfit = recovered(vertices, faces)
+    assert surface.residual < 1e-11
+    assert misfit < 1e-5

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import smooth_bodies
+import sprinkled
 import zoo
 from isoembed.aim.anneal import anneal, anneal_damped, anneal_on_sphere
 from isoembed.linalg import SingularMatrix
@@ -159,7 +160,7 @@ def test_damped_steps_never_go_uphill_and_arrive(amount):
         """Notes the energy of every surface from which a step is taken."""
 
         def __init__(self, system):
-            self.system, self.triangulation = system, triangulation
+            self.system, self.triangulation, self.space = system, triangulation, system.space
 
         def step(self, x, lengths, residuals, mu):
             energies.append(float(residuals @ residuals))
@@ -184,6 +185,7 @@ def test_damped_steps_outlast_singular_matrices():
         def __init__(self, work):
             self.triangulation, self.tried = triangulation, []
             self.system = LengthSystem(triangulation, work=work)
+            self.space = self.system.space
 
         def step(self, x, lengths, residuals, mu):
             self.tried.append(mu)
@@ -234,3 +236,13 @@ def test_annealing_on_the_sphere_balances_what_cannot_be_met():
     assert cost(fitted) < cost(exact)
     assert cost(fitted) < cost(1.02 * exact)
     assert all(cost(s * fitted) > cost(fitted) for s in (0.999, 1.001))
+
+
+@pytest.mark.parametrize("k, amount", [(3, 1e-5), (6, 1e-4)])
+def test_flat_faces_are_reached_where_the_jacobian_is_singular(k, amount):
+    """Newton steps end with residuals of 1e-11 to 1e-8, where J J^T cannot be factored."""
+    triangulation, lengths, vertices, start = problem(amount, sprinkled.box(k)[:2])
+    recorder = smooth_bodies.recorder()
+    annealed = anneal(LengthSystem(triangulation, work=recorder.work), start, lengths, recorder)
+    assert annealed.residual < 1e-12
+    assert smooth_bodies.misfit(annealed.vertices, vertices) < 1e-5

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from isoembed.aim.acceptance import NEARLY
 from isoembed.arrays import Floats
 from isoembed.nonlinear.acceptance import Damping
-from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.descent import Curve, Reason, descend
 from isoembed.nonlinear.newton import Point, largest, newton
 from isoembed.nonlinear.stopping import short_step, stagnated
 from isoembed.progress.stages import StageRecorder
@@ -15,6 +16,7 @@ from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
 from isoembed.surface.vertex_system import VertexSystem
 
 POLISH_STEPS = 10  # Newton steps of the last stage
+DAMPED_STEPS = 25  # Levenberg-Marquardt steps where J becomes singular
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,20 @@ def anneal(
         stalled=lambda p, size, before: rounding(p, size, before) or not size < diverged,
         max_iterations=max_iterations,
     )
-    return Annealed(found.best.x, found.best_value, found.converged)
+    annealed = Annealed(found.best.x, found.best_value, found.converged)
+    if found.reason is not Reason.SINGULAR or not annealed.residual < NEARLY:
+        return annealed
+    # J is singular where the surface is flat: Newton steps halve the error until the factorization fails.
+    damped = anneal_damped(
+        system,
+        found.best.x,
+        lengths,
+        recorder,
+        residual_tolerance=residual_tolerance,
+        max_iterations=DAMPED_STEPS,
+        damping=1e-12,
+    )
+    return damped if damped.residual < annealed.residual else annealed
 
 
 def anneal_on_sphere(
@@ -130,14 +145,16 @@ def anneal_damped(
     *,
     residual_tolerance: float,
     max_iterations: int,
+    damping: float = 1e-2,
 ) -> Annealed:
     """Minimize the length errors by the Levenberg-Marquardt method, which never goes uphill.
 
-    The surface found nearby may be crumpled.  Parameters and result as for `anneal`.
+    The surface found nearby may be crumpled.  `damping` is the mu of the first step (`LengthSystem.step`);
+    other parameters and the result as for `anneal`.
     """
 
     def at(x: Floats) -> Point:
-        return Point(x, length_residuals(system.triangulation, x, lengths))
+        return Point(x, length_residuals(system.triangulation, x, lengths, system.space))
 
     def converged(p: Point, *_: float) -> bool:
         recorder.show(residual=largest(p))
@@ -154,7 +171,7 @@ def anneal_damped(
     found = descend(
         at(vertices),
         step,
-        Damping(1e-2, softer=0.3, eased_below=0.5),
+        Damping(damping, softer=0.3, eased_below=0.5),
         value=lambda p: float(p.residual @ p.residual),
         converged=converged,
         max_iterations=max_iterations,
