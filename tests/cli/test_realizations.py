@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import isoembed
+import smooth_bodies
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.cli.realizations import LEGEND
@@ -122,6 +123,18 @@ def test_the_surface_of_the_file_may_be_another_realization(call, files):
     assert call("embed", "dented.npz", "--which", "dented.npz", "-o", "out.ply")[2] == ""
     assert isoembed.embed("dented.npz").distance(x) > 0.01
     assert read_surface(Path("out.ply")).surface.concave_edges.any()
+
+
+def test_the_surface_of_the_file_is_returned_where_the_search_fails(call, files):
+    x, faces = zoo.icosphere(1)
+    x = x * (1 + 0.3 * np.random.default_rng(0).standard_normal((len(x), 1)))
+    np.savez("star.npz", vertices=x, faces=faces)
+    status, _, err = call("embed", "star.npz", "--effort", "0")
+    assert status == 3
+    assert "the surface in star.npz has these lengths: --which star.npz returns it" in err
+    assert call("embed", "star.npz", "--effort", "0", "--which", "star.npz", "-o", "out.ply")[0] == 0
+    found = read_surface(Path("out.ply"))
+    assert smooth_bodies.misfit(found.vertices, x) < 1e-12
 
 
 def test_other_surfaces_to_be_near_to_are_refused(call, files):

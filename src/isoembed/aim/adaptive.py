@@ -48,8 +48,9 @@ class Aim(Method):
         vertices on the wrong side follows, at ``effort`` times the cost.
     which : {"convex", "smoothest"} or array_like, shape (V, 3), optional
         Choice among the realizations: the convex one; the smoothest; or the nearest to a surface with the
-        given vertices, at any scale, from which Newton's method is started as well.  By default the answer
-        is on the branch of a convex surface, or, if that branch is not followed, the smoothest.
+        given vertices, at any scale.  Newton's method starts from it; the other strategies follow unless it
+        ends within 0.05 mean edge lengths.  By default the answer is on the branch of a convex surface, or,
+        if that branch is not followed, the smoothest.
     """
 
     best_fit: bool = False

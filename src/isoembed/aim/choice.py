@@ -20,7 +20,6 @@ from isoembed.metric.convexity import DEVIATIONS, deficit_rounding, deficit_spre
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
-from isoembed.surface.placement import standard_position
 
 MOTIONS = 4  # softest motions searched for other realizations
 NEAR_FIT = 3.0  # displacements of a flat vertex by errors of the lengths, the roots of these
@@ -97,7 +96,7 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
     return found._with_message(f"{found.message}; {evidence}")
 
 
-def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
+def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...]) -> Embedding:
     """The requested realization among those found, with the others attached.
 
     Parameters
@@ -106,14 +105,11 @@ def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
         A realization of a normalized metric.
     which : {"convex", "smoothest"} or tuple of tuple of float
         Property, or the vertices, (V, 3), of a reference surface at any scale.
-    log : Log
 
     Raises
     ------
     NotEmbedded
         A convex realization was requested, and none was found.
-    InvalidParameter
-        The number of vertices is not V, or space is curved.
     """
     found = [embedding, *embedding.others]
     if which == "smoothest":
@@ -124,10 +120,7 @@ def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
             raise no_convex(embedding)
         best = convex[0]
     else:
-        target = _target(embedding, np.array(which))
-        near = _realized(target, log)
-        if near is not None and not any(are_identical(near, other) for other in found):
-            found.append(near)
+        target = _like(embedding, reference_vertices(embedding.metric, np.array(which)))
         best = min(found, key=target.distance)
     rest = [surface for surface in found if surface is not best]
     answer = best._with_others(rest, embedding.uniqueness)
@@ -144,42 +137,24 @@ def convex_ones(embedding: Embedding) -> list[Embedding]:
     return [each for each in (embedding, *embedding.others) if not each.surface.concave_edges.any()]
 
 
-def _target(embedding: Embedding, vertices: Floats) -> Embedding:
-    """The reference surface, scaled to the metric."""
-    metric = embedding.metric
+def reference_vertices(metric: PolyhedralMetric, vertices: Floats) -> Floats:
+    """Vertices of a reference surface, scaled to the metric.
+
+    Raises
+    ------
+    InvalidParameter
+        The number of vertices is not V, all of them coincide, or space is curved.
+    """
     if not metric.space.is_euclidean:
         raise InvalidParameter("which=vertices requires a Euclidean metric")
-    if vertices.shape != embedding.vertices.shape:
-        raise InvalidParameter(
-            f"the reference surface has {len(vertices)} vertices, but the metric {len(embedding.vertices)}"
-        )
+    n = metric.triangulation.n_vertices
+    if len(vertices) != n:
+        raise InvalidParameter(f"the reference surface has {len(vertices)} vertices, but the metric {n}")
     a, b = metric.edges.T
     size = float(np.linalg.norm(vertices[a] - vertices[b], axis=1).mean())
     if not size > 0:
         raise InvalidParameter("all vertices of the reference surface coincide")
-    return _like(embedding, metric.mean_length / size * vertices)
-
-
-def _realized(target: Embedding, log: Log) -> Embedding | None:
-    """The realization that damped Newton steps reach from a surface; J is singular where it flexes."""
-    from isoembed.aim.anneal import anneal, anneal_damped
-    from isoembed.surface.rigidity import LengthSystem
-
-    metric = target.metric
-    with log.stage("nearest") as recorder:
-        system = LengthSystem(metric.triangulation, work=log.work)
-        end = anneal_damped(
-            system,
-            target.vertices,
-            metric.lengths,
-            recorder,
-            residual_tolerance=1e-13,  # mean edge lengths
-            max_iterations=60,
-        )
-        if not end.converged:
-            end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
-    found = _like(target, standard_position(metric.faces, end.vertices))
-    return found if found.converged else None
+    return metric.mean_length / size * vertices
 
 
 def is_convex_within(metric: PolyhedralMetric, error: Floats | float) -> bool:

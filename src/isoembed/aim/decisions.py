@@ -109,7 +109,7 @@ class AskedFor(Decision):
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         which = pipeline.method.which
-        return answer if which is None else requested(answer, which, pipeline.log)
+        return answer if which is None else requested(answer, which)
 
 
 class SmootherWithinErrors(Decision):

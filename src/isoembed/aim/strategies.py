@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import REALIZED, is_accepted, is_exact, is_near
-from isoembed.aim.choice import FOLDED, no_convex, not_convex, smoothest
+from isoembed.aim.choice import FAR, FOLDED, no_convex, not_convex, reference_vertices, smoothest
 from isoembed.aim.convexification import NEAR_MARGIN
 from isoembed.aim.decisions import fitted_surface, has_small_errors, measured_candidate
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron, polished_polyhedron
@@ -81,6 +81,39 @@ class FitWithinErrors(Strategy):
         return replace(state, measured=fit, answer=None if exact else found)
 
 
+class NearReferenceSurface(Strategy):
+    """Realization that damped Newton steps reach from the reference surface, if one is given by `which`.
+
+    Needs nothing; finds a candidate, which is trusted if it is close to the reference surface.
+    """
+
+    key = "near reference surface"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return isinstance(pipeline.method.which, tuple)
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.anneal import anneal, anneal_damped
+
+        problem, lengths = pipeline.problem, pipeline.problem.metric.lengths
+        reference = reference_vertices(problem.metric, np.array(pipeline.method.which))
+        with pipeline.log.stage("nearest") as recorder:
+            end = anneal_damped(  # J is singular where the surface flexes
+                problem.system,
+                reference,
+                lengths,
+                recorder,
+                residual_tolerance=1e-13,  # mean edge lengths
+                max_iterations=60,
+            )
+            if not end.converged:
+                end = anneal(problem.system, end.vertices, lengths, recorder, max_iterations=30)
+        found = problem.surface(end.vertices)
+        if not is_accepted(found):
+            return state
+        return state.adding(found, trusted=problem.placed(reference).distance(found) < FAR)
+
+
 class NewtonOnRadii(Strategy):
     """Newton's method on the radii for nearly convex metrics, on the given triangles alone.
 
@@ -90,7 +123,7 @@ class NewtonOnRadii(Strategy):
     key = "newton on radii"
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return pipeline.problem.is_nearly_convex
+        return not state.trusted and pipeline.problem.is_nearly_convex
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.newton_on_radii import newton_on_radii
@@ -482,6 +515,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 STRATEGIES = (
     NoConvexSurface(),
     FitWithinErrors(),
+    NearReferenceSurface(),
     NewtonOnRadii(),
     NearestPolytope(),
     NewtonFromPolytope(),

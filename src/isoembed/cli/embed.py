@@ -20,7 +20,7 @@ from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
-from isoembed.errors import Interrupted, InvalidParameter
+from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_surface
 from isoembed.io.files import ending
 from isoembed.io.metric import read_with_vertices
@@ -176,16 +176,23 @@ def run(options: argparse.Namespace) -> int:
             "note",
         )
 
-    def solve(progress: Listener | None) -> isoembed.Embedding:
-        found = isoembed.embed(
-            metric,
-            method=method,
-            tolerance=options.tolerance,
-            progress=listener_of(progress, checkpoints.listen),
-            resume=checkpoint,
-        )
+    def note_given_surface(found: isoembed.Embedding) -> None:
         if own_vertices is not None and "which" in parameters(type(method)) and options.which is None:
             _note_given_surface(found, own_vertices, source)
+
+    def solve(progress: Listener | None) -> isoembed.Embedding:
+        try:
+            found = isoembed.embed(
+                metric,
+                method=method,
+                tolerance=options.tolerance,
+                progress=listener_of(progress, checkpoints.listen),
+                resume=checkpoint,
+            )
+        except NotEmbedded as error:
+            note_given_surface(error.embedding)
+            raise
+        note_given_surface(found)
         return found
 
     try:
@@ -292,12 +299,14 @@ def _tolerance(text: str) -> float:
 
 def _note_given_surface(found: isoembed.Embedding, vertices: Floats, source: Path) -> None:
     """Note that the surface in the file has the lengths, too, if it is not the one found."""
-    if not (found.residual <= found.tolerance and found.metric.space.is_euclidean):
+    if not found.metric.space.is_euclidean or found.metric.length_errors is not None:
         return
     given = isoembed.Embedding(found.metric, vertices, method=found.method, tolerance=found.tolerance)
-    if is_realization(given) and not are_identical(found, given):
-        print_error(
-            f"the surface in {source} has these lengths, too, and is {found.distance(given):.1g} mean edge "
-            f"lengths from the one found: --which {shlex.quote(str(source))} returns it",
-            "note",
-        )
+    if not is_realization(given):
+        return
+    says = "has these lengths"
+    if found.residual <= found.tolerance:
+        if are_identical(found, given):
+            return
+        says = f"{says}, too, and is {found.distance(given):.1g} mean edge lengths from the one found"
+    print_error(f"the surface in {source} {says}: --which {shlex.quote(str(source))} returns it", "note")
