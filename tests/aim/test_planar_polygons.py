@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from isoembed import Embedding, InvalidMetric, PolyhedralMetric, embed
+from isoembed import Embedding, InvalidMetric, PolyhedralMetric, certify, embed
 from isoembed.aim.polygon_planarity import PolygonPlanarity, has_planar_polygons
 from isoembed.io import read_metric, write_metric
 
@@ -113,3 +113,14 @@ def test_diagonals_stay_with_a_metric_in_a_file(ending, tmp_path):
         metric.with_diagonals(np.array([metric.edges[metric.diagonals[0]], [0, 12]]))
     with pytest.raises(InvalidMetric, match=r"the diagonals have the shape \(3,\), not \(D, 2\)"):
         metric.with_diagonals(np.arange(3))
+
+
+def test_fits_that_equal_the_exact_surface_do_not_replace_it():
+    """Which of the two was smoother, and returned, was a matter of rounding."""
+    vertices, faces = solid(
+        "000 030 330 300, 000 300 303 003, 000 003 033 030, 333 303 300 330, 333 330 030 033, 333 033 003 303"
+    )
+    for turn in Rotation.random(10, random_state=0):
+        found = embed(PolyhedralMetric.from_mesh(np.round(turn.apply(vertices), 6), faces))
+        assert found.length_errors is None
+        assert certify(found).certified

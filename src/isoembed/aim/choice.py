@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from isoembed.aim.acceptance import are_identical, is_realization
+from isoembed.aim.acceptance import REALIZED, are_identical, is_realization
 from isoembed.aim.polygon_planarity import has_planar_polygons
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -178,7 +178,7 @@ def is_preferred(exact: Embedding, fit: Embedding) -> bool:
     may_be_convex = is_convex_within(metric, error)
     if may_be_convex and fit.volume < FOLDED * exact.volume:
         return True
-    smoother = exact.surface.fine_roughness <= fit.surface.fine_roughness
+    smoother = exact.surface.fine_roughness <= fit.surface.fine_roughness + REALIZED  # equal to rounding
     near = exact.distance(fit) <= NEAR_FIT * np.sqrt(np.max(error))
     return bool(smoother and (near or not may_be_convex))
 
