@@ -16,7 +16,7 @@ from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
 from isoembed.surface.vertex_system import VertexSystem
 
 POLISH_STEPS = 10  # Newton steps of the last stage
-DAMPED_STEPS = 25  # Levenberg-Marquardt steps where J becomes singular
+DAMPED_STEPS = 25  # Levenberg-Marquardt steps of the last stage
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ def anneal(
     residual_tolerance: float = 1e-13,  # mean edge lengths
     step_tolerance: float = 0.0,
     max_iterations: int = POLISH_STEPS,
+    max_damped: int = 0,
 ) -> Annealed:
     """Solve the length equations by Newton's method; by default to rounding.
 
@@ -62,6 +63,9 @@ def anneal(
     step_tolerance : float
         Stop when no vertex moves by more than this (the paper's 1e-8).
     max_iterations : int
+    max_damped : int
+        Levenberg-Marquardt steps that follow where J is singular near a realization, as with flat faces:
+        Newton steps halve the error there, until the factorization fails.
 
     Returns
     -------
@@ -81,14 +85,13 @@ def anneal(
     annealed = Annealed(found.best.x, found.best_value, found.converged)
     if found.reason is not Reason.SINGULAR or not annealed.residual < NEARLY:
         return annealed
-    # J is singular where the surface is flat: Newton steps halve the error until the factorization fails.
     damped = anneal_damped(
         system,
         found.best.x,
         lengths,
         recorder,
         residual_tolerance=residual_tolerance,
-        max_iterations=DAMPED_STEPS,
+        max_iterations=max_damped,
         damping=1e-12,
     )
     return damped if damped.residual < annealed.residual else annealed

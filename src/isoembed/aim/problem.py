@@ -77,9 +77,10 @@ class Problem:
 
     def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:
         """The surface to which Newton's method on the lengths converges from these vertices."""
-        from isoembed.aim.anneal import anneal
+        from isoembed.aim.anneal import DAMPED_STEPS, anneal
 
-        return self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
+        found = anneal(self.system, vertices, self.metric.lengths, recorder, max_damped=DAMPED_STEPS)
+        return self.surface(found.vertices)
 
     # Convexity
 
