@@ -4,6 +4,7 @@ The seeds of the property tests are fixed: a failure today is a failure tomorrow
 """
 
 import gc
+import os
 import signal
 
 import pytest
@@ -27,6 +28,14 @@ def interruptible():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unsynced():
+    """Files of tests need not survive a power failure: some disks take milliseconds for each."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda file: None)
+        yield
 
 
 @pytest.hookimpl(wrapper=True)
