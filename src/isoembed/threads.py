@@ -112,8 +112,9 @@ class TaskGraph:
 
     def run(self, task: Callable[[int], object]) -> None:
         """Run all tasks, several at once, and none after one has failed."""
-        with reserve_threads():
-            threads = min(thread_count(), len(self.before))
+        # The cores may be reserved already, for thousands of short runs.
+        with reserve_threads() if _reserved.get() is None else nullcontext():
+            threads = min(thread_count(), len(self.before)) if len(self.before) > 1 else 1
             if threads <= 1:
                 for t in self.order:
                     task(t)

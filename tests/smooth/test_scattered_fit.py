@@ -113,3 +113,5 @@ def test_white_deviations():
     harmonics = Harmonics(6, 2)
     drawn = white(harmonics, 1e-3) @ deviating(harmonics).values(scattered(400)).T
     assert np.sqrt(np.mean(drawn**2)) == pytest.approx(1e-3, rel=0.1)
+    (nothing,) = white(harmonics, 0.0)
+    assert not nothing.any()

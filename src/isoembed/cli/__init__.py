@@ -143,10 +143,17 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         metavar="SHELL",
         help=f"print the completion script for a shell: {', '.join(completion.SHELLS)}",
     )
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    others = Parser(add_help=False)
+
+    def subparser(prog: str, **options: Any) -> Parser:
+        """Parser of a subcommand; those that are not among the arguments have one in common."""
+        return Parser(prog, allow_abbrev=False, **options) if prog.split()[-1] in arguments else others
+
+    commands = parser.add_subparsers(  # type: ignore[call-overload]  # a function is no class
+        title="commands", metavar="COMMAND", required=True, parser_class=subparser
+    )
     for name, purpose in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
-        command.allow_abbrev = False
         if name in arguments:
             module = _loaded(name)
             module.configure(command)

@@ -51,12 +51,12 @@ class ImplicitSurface(SurfaceWithAxes):
     def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
         t, g = self._gradient(u)
         s, p = self._semiaxes, np.array(self._powers)
-        d = p * (p - 1.0) * np.abs(t[:, None] * u) ** (p - 2.0) / s**2  # the Hessian of g is diagonal
-        g2 = (g / s) ** 2
-        norm2 = g2.sum(axis=1)
-        d1, d2 = np.roll(d, -1, axis=1), np.roll(d, -2, axis=1)
-        K = (g2 * d1 * d2).sum(axis=1) / norm2**2
-        H = (g2 * (d1 + d2)).sum(axis=1) / (2.0 * norm2**1.5)
+        # The Hessian of g is diagonal.
+        d, e, f = (p * (p - 1.0) * np.abs(t[:, None] * u) ** (p - 2.0) / s**2).T
+        x2, y2, z2 = ((g / s) ** 2).T
+        norm2 = x2 + y2 + z2
+        K = (x2 * e * f + y2 * f * d + z2 * d * e) / norm2**2
+        H = (x2 * (e + f) + y2 * (f + d) + z2 * (d + e)) / (2.0 * norm2**1.5)
         return K, H
 
     def _moved(self, u: Floats, displacement: Floats) -> Floats:

@@ -10,6 +10,8 @@ from isoembed.gallery.quadrature import integrate
 from isoembed.gallery.surface import Surface
 from isoembed.meshing.sphere import gauss_rule
 
+Images = tuple[Floats, Floats, Floats]
+
 
 def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("ij,ij->i", a, b))
@@ -40,7 +42,7 @@ class MappedSurface(Surface):
     def _second_differential(self, u: Floats, normals: Floats) -> Floats:
         """Components of the second derivatives along given vectors: n . d^2 X / du_j du_k (n, 3, 3)."""
 
-    def _images(self, u: Floats) -> tuple[Floats, Floats, Floats]:
+    def _images(self, u: Floats) -> Images:
         """Frames a, b, u, their images dX(a), dX(b), dX(u), and the cross product of the first two."""
         frame, D = _frames(u), self._differential(u)
         image = np.asarray(sum(D[:, :, j] * frame[:, :, j, None] for j in range(3)))  # faster than einsum
@@ -54,7 +56,10 @@ class MappedSurface(Surface):
         return np.asarray(np.linalg.norm(self._images(u)[2], axis=1))
 
     def _curvatures(self, u: Floats) -> tuple[Floats, Floats]:
-        (a, b, _), (x_a, x_b, x_u), cross = self._images(u)
+        return self._curvatures_of(u, self._images(u))
+
+    def _curvatures_of(self, u: Floats, images: Images) -> tuple[Floats, Floats]:
+        (a, b, _), (x_a, x_b, x_u), cross = images
         density = np.linalg.norm(cross, axis=1)
         normals = cross / density[:, None]
         second = self._second_differential(u, normals)
@@ -78,9 +83,10 @@ class MappedSurface(Surface):
         def sphere(n: int) -> Floats:
             u, weight = gauss_rule(n, 2 * n)
             u = np.roll(u, 1, axis=1)  # polar axis x, along which long bodies extend
-            cross = self._images(u)[2]
+            images = self._images(u)
+            cross = images[2]
             element = weight * np.linalg.norm(cross, axis=1)
             volume = weight @ _dot(self._points(u), cross) / 3.0
-            return np.array([element.sum(), volume, element @ self._curvatures(u)[1]])
+            return np.array([element.sum(), volume, element @ self._curvatures_of(u, images)[1]])
 
         return integrate(sphere)

@@ -53,8 +53,13 @@ def deviating(harmonics: Harmonics) -> Harmonics:
 
 
 def white(harmonics: Harmonics, size: float, *functions: int) -> Floats:
-    """Random deviations (N, size of `deviating`, *functions) of given root mean square, as white noise."""
+    """Random deviations (N, size of `deviating`, *functions) of given root mean square, as white noise.
+
+    Of what is exact there is a single one, zero.
+    """
     count = deviating(harmonics).size
+    if size == 0.0:
+        return np.zeros((1, count, *functions))
     drawn = np.random.default_rng(0).normal(size=(DEVIATIONS, count, *functions))
     return drawn * (size * np.sqrt(4.0 * np.pi * DEVIATIONS / drawn.size))
 

@@ -96,10 +96,8 @@ def _curvature(u: Floats, harmonics: Harmonics, coefficients: Floats) -> Floats:
     values, gradients, hessians = harmonics.derivatives(u, coefficients)
     e, f = angle_frame(u)
     first = np.stack([np.einsum("nck,nk->nc", gradients, a) for a in (e, f)], axis=1)
-    second = np.stack(
-        [np.einsum("nckl,nk,nl->nc", hessians, a, b, optimize=True) for a, b in ((e, e), (e, f), (f, f))],
-        axis=1,
-    )
+    of_e, of_f = ((a[:, None, None] @ hessians)[:, :, 0] for a in (e, f))
+    second = np.stack([(h @ a[:, :, None])[..., 0] for h, a in ((of_e, e), (of_e, f), (of_f, f))], axis=1)
     return curvature_of_derivatives(u, values, first, second)
 
 

@@ -88,4 +88,4 @@ class Projected:
     def _rigid_motions(self) -> list[Floats]:
         """Six z, (V, 3), that change no length."""
         fields = [np.broadcast_to(axis, self.positions.shape) for axis in np.eye(3)]
-        return fields + [np.cross(axis, self.positions) for axis in np.eye(3)]
+        return [*fields, *np.cross(np.eye(3)[:, None], self.positions)]

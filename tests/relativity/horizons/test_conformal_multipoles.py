@@ -88,7 +88,7 @@ def test_a_conformal_metric_in_other_directions():
 
     own = SurfaceData(Conformal(sigma), normal_momentum=momentum, shape=lambda u: u)
     distorted = own.in_coordinates(
-        SphereMap.linear(np.array([[1.1, 0.1, 0.0], [0.0, 1.0, 0.05], [0.05, 0.0, 0.95]]))
+        SphereMap.linear(np.array([[1.05, 0.05, 0.0], [0.0, 1.0, 0.03], [0.03, 0.0, 0.97]]))
     )
     found = conformal_multipoles(distorted, 4)
     exact = moments(sigma)

@@ -198,6 +198,13 @@ def test_kerr_schild_without_spin_in_closed_form():
     np.testing.assert_allclose(KerrSchild(M, (0, 0, 0)).extrinsic_curvature(x), K, rtol=1e-12, atol=1e-13)
 
 
+def test_the_curvature_of_kerr_schild_takes_the_null_form_once_and_its_three_derivatives(monkeypatch):
+    x, calls, null_form = np.array([[3.0, -1.0, 2.0]]), [], KerrSchild._null_form
+    monkeypatch.setattr(KerrSchild, "_null_form", lambda hole, x: calls.append(x) or null_form(hole, x))
+    KerrSchild(1.0, SPIN).extrinsic_curvature(x)
+    assert len(calls) == 4
+
+
 @pytest.mark.parametrize("r", [1e-6, 0.1, 0.9, 1.5, 4.0])
 @pytest.mark.parametrize("cos", [1.0, 0.7, -0.01])
 def test_kerr_schild_in_spheroidal_coordinates(r, cos):

@@ -65,7 +65,8 @@ class Discretization:
         """Errors (n,) of the expansion, as estimated by the slice."""
 
         def expansion(geometry: ThreeGeometry) -> Floats:
-            return LocalGeometry.of(geometry, at.local.jet).expansion[None]
+            local = at.local if geometry is self.geometry else LocalGeometry.of(geometry, at.local.jet)
+            return local.expansion[None]
 
         return self.geometry.error(expansion)[0]
 

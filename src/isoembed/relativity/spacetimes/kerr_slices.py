@@ -71,19 +71,23 @@ class KerrSchild(KerrSlice):
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex."""
-        H, l = self._null_form(x)
-        return np.eye(3) + 2.0 * H[:, None, None] * l[:, :, None] * l[:, None, :]
+        return _metric(*self._null_form(x))
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
 
-        def shift(x: Numbers) -> Numbers:
+        def fields(x: Numbers) -> Numbers:
+            """Metric, and the shift as a fourth row (n, 4, 3)."""
             H, l = self._null_form(x)
-            return 2.0 * H[:, None] * l
+            shift = 2.0 * H[:, None] * l
+            return np.concatenate([_metric(H, l), shift[:, None]], axis=1)
 
-        H, _ = self._null_form(x)
+        H, l = self._null_form(x)
         lapse = 1.0 / np.sqrt(1.0 + 2.0 * H)
-        return stationary_curvature(self.gradient(x), self.metric(x), lapse, shift(x), complex_step(shift, x))
+        rates = complex_step(fields, x)
+        return stationary_curvature(
+            rates[:, :, :3], _metric(H, l), lapse, 2.0 * H[:, None] * l, rates[:, :, 3]
+        )
 
     def _null_form(self, x: Numbers) -> tuple[Numbers, Numbers]:
         """H (n,) and ``l_i`` (n, 3)."""
@@ -101,6 +105,11 @@ class KerrSchild(KerrSlice):
         H = r2 * r / (r2 * r2 + ax * ax)
         l = (r[:, None] * x + np.cross(x, a) + (ax / r)[:, None] * a) / (r2 + aa)[:, None]
         return H, l
+
+
+def _metric(H: Numbers, l: Numbers) -> Numbers:
+    """``delta_ij + 2 H l_i l_j`` (n, 3, 3)."""
+    return np.eye(3) + 2.0 * H[:, None, None] * l[:, :, None] * l[:, None, :]
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,11 @@ class SurfaceErrors:
         Errors of averages come from samples of the noise on a grid, and from a fraction of other errors.
         """
         unit, own = _area_unit(local), _geometry(local)
+        base = _quantities(local, center, unit)
 
         def quantities(geometry: ThreeGeometry) -> Floats:
+            if geometry is own:
+                return base
             return _quantities(LocalGeometry.of(geometry, local.jet), center, unit)
 
         errors = cls._of(
@@ -76,7 +79,6 @@ class SurfaceErrors:
             averaged=0.3,  # truncation errors average out in part
             scattered=0.03,
         )
-        base = _quantities(local, center, unit)
         if changes := [quantities(other) - base for other in own.deviating(local.jet.x)]:
             errors += cls._of(local, SURE * np.array(changes), weights, unit)
         return errors
