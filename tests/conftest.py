@@ -3,7 +3,6 @@
 The seeds of the property tests are fixed: a failure today is a failure tomorrow.
 """
 
-import gc
 import os
 import signal
 
@@ -36,17 +35,6 @@ def unsynced():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "fsync", lambda file: None)
         yield
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_collection(session):
-    """Keep the garbage collector from thousands of tests, which live to the end."""
-    gc.disable()
-    try:
-        return (yield)
-    finally:
-        gc.freeze()
-        gc.enable()
 
 
 def pytest_collection_modifyitems(items):
