@@ -66,6 +66,23 @@ def test_faces_are_flat_within_the_digits_of_the_lengths(points, decimals, tmp_p
     assert len(strut_table(read_surface(tmp_path / "solid.obj")).lengths) == sum(sides) / 2
 
 
+def test_common_errors_of_equal_lengths_bend_by_no_more_than_the_digits():
+    """They add up along a zone of rhombi: bends had up to ten deviations of independent errors."""
+    points, rng = solids.catalan("icosidodecahedron"), np.random.default_rng(0)
+    polygons = sorted(
+        solids.polygons(points), key=lambda polygon: points[polygon].sum(axis=0).round(9).tolist()
+    )
+    for _ in range(10):
+        rhombi = []
+        for polygon in polygons:
+            a, b, c, d = np.roll(polygon, rng.integers(2) - np.argmin(points[polygon].round(9)[:, 0]))
+            rhombi += [[a, b, c], [a, c, d]]
+        exact = PolyhedralMetric.from_mesh(points, rhombi)
+        lengths = np.round(exact.lengths * 40 / exact.mean_length, 4)
+        metric = PolyhedralMetric(exact.faces, lengths, exact.edges, length_errors=1e-4 / 12**0.5)
+        assert embed(metric, method="alexandrov").surface.flat_faces.sides.tolist() == [4] * 30
+
+
 def test_exact_lengths_bend_by_any_angle():
     metric = rounded_lengths(solids.uniform("cube"), 2).with_length_errors(0)
     found = embed(metric, method="alexandrov")

@@ -42,8 +42,8 @@ below .04, or above .14 with deviations wrong by factors of 2 to 30."""
 
 BEND_PROBES = 16  # enough for the largest deviation to a fifth
 BEND_DEVIATIONS = 5.0
-"""Standard deviations within which a bend is none: equal lengths of a design share their errors, which then
-bend it by more than independent ones.  With 3, a few of 123 solids from rounded lengths lost faces."""
+"""Standard deviations within which a bend is none.  With 3, a few of 123 solids from rounded lengths lost
+faces."""
 
 SIZES = 0.8 ** np.arange(21)  # of vertex errors that are tried, the largest first, over the largest
 PROBES = 400  # random error vectors for estimating the deviations at vertices, faces and edges
@@ -295,10 +295,11 @@ def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Fl
 
 
 def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> float:
-    """Error of each vertex in R^3 that accounts for the bends due to independent errors of the lengths.
+    """Error of each vertex in R^3 that accounts for the bends due to errors of the lengths.
 
-    Displacements of this size may flatten edges (see `bend_rates`), but none whose dihedral angle exceeds
-    five standard deviations.  Of all such sizes below the `largest_vertex_error` it is that of the fewest
+    The errors are independent, or common to equal lengths, as rounding errors are.  Displacements of this
+    size may flatten edges (see `bend_rates`), but none whose dihedral angle exceeds five standard deviations
+    of the larger of both.  Of all such sizes below the `largest_vertex_error` it is that of the fewest
     `coplanar_faces`: smaller ones leave bends due to errors, larger ones join faces that then are curved.
 
     Parameters
@@ -314,11 +315,17 @@ def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> fl
         derivatives = LengthDerivatives.of(t, vertices, metric.lengths)
     except SingularMatrix:
         return upper_bound
-    squares = np.zeros(t.n_edges)
+    order = np.argsort(metric.lengths, kind="stable")
+    shared = np.empty(t.n_edges, dtype=np.int64)  # the same for equal lengths
+    shared[order] = np.cumsum(np.diff(metric.lengths[order], prepend=-np.inf) > 1e-3 * error) - 1
+    each = np.arange(t.n_edges)
+    labels = [each, shared] if shared.max() < each[-1] else [each]
+    squares = np.zeros((len(labels), t.n_edges))
     for draw in _signs(t.n_edges, BEND_PROBES):
-        squares += dihedral_rates(t, vertices, derivatives.jvp(error * draw)) ** 2
+        for square, label in zip(squares, labels, strict=True):
+            square += dihedral_rates(t, vertices, derivatives.jvp(error * draw[label])) ** 2
     rates, angles = bend_rates(t, vertices, error), np.abs(dihedral_angles(t, vertices))
-    largest = BEND_DEVIATIONS * np.sqrt(squares / BEND_PROBES)
+    largest = BEND_DEVIATIONS * np.sqrt(squares.max(axis=0) / BEND_PROBES)
     flat = angles <= largest
     needed = (largest / rates)[flat].max() if flat.any() else upper_bound
     limit = min(needed, upper_bound, 0.999 * (angles / rates)[~flat].min(initial=np.inf))
