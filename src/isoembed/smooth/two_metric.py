@@ -216,6 +216,23 @@ def check_two_metric(metric: object) -> None:
         )
 
 
+def tensor_at(metric: TwoMetric, u: Floats) -> Floats:
+    """Tensor (n, 3, 3) of a metric at unit vectors u (n, 3).
+
+    Raises
+    ------
+    InvalidMetric
+        The tensor has another shape.
+    """
+    q = metric.tensor(u)
+    if np.shape(q) != (len(u), 3, 3):
+        raise InvalidMetric(
+            f"the metric's tensor(u) has the shape {np.shape(q)} for u of shape {u.shape}, not "
+            f"{(len(u), 3, 3)}"
+        )
+    return q
+
+
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:
     """The tensor (n, 3, 3) from components in the orthonormal frame (e_theta, e_phi), away from the poles."""
     e_theta, e_phi = angle_frame(u)
@@ -258,7 +275,7 @@ def is_axisymmetric(metric: TwoMetric) -> bool:
     Integrals over the surface are not changed to first order by a deviation, if they are means over phi.
     """
     check_two_metric(metric)
-    return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)), METRIC_ROUNDING)
+    return is_symmetric_about_z(lambda u: angle_components(u, tensor_at(metric, u)), METRIC_ROUNDING)
 
 
 def is_symmetric_about_z(function: Callable[[Floats], Floats], rounding: float = ROUNDING) -> bool:
