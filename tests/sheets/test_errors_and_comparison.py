@@ -116,6 +116,20 @@ def test_of_one_wrong_length_the_deviation_is_the_change(name):
         np.testing.assert_allclose(everywhere.vertices, moved, atol=1e-4 * moved.max())
 
 
+@pytest.mark.parametrize("body", ["ellipsoid", "torus"])
+def test_integrals_of_closed_surfaces_are_those_of_the_polyhedron(body):
+    """Whatever the method: that of their standard deviations, and of differences."""
+    x, faces = triangulate(Ellipsoid((3, 2, 1)), 60) if body == "ellipsoid" else discs.torus(12, 8)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    found = embed(metric, boundary="free", start=x)
+    expected = integrals(metric.triangulation, found.vertices)[2]
+    assert found.integrated_mean_curvature == pytest.approx(expected, rel=1e-12)
+    larger = embed(metric.scaled(1.1), boundary="free", start=1.1 * x)
+    change = isoembed.compare(found, larger).difference.integrated_mean_curvature
+    expected = larger.integrated_mean_curvature - found.integrated_mean_curvature
+    assert change == pytest.approx(expected, rel=1e-10)
+
+
 def test_a_surface_from_a_file_is_held_as_it_was():
     found = embed(METRIC.scaled(3.0), boundary="free")
     read = with_boundary_condition(replace(found, tensions=None, imbalance=None), "free")

@@ -357,7 +357,7 @@ class Embedding:
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths.
 
-        For surfaces from ``embed(metric, boundary=...)``, that of the fitted `mean_curvature`.
+        For surfaces with boundary, that of the fitted `mean_curvature`.
         """
         return self.surface.integrated_mean_curvature
 

@@ -90,11 +90,14 @@ class SheetSurface(Surface):
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths: sum of `mean_curvature` times thirds of triangles.
+        """Integral of H dA, in the unit of the lengths: 1/2 sum l theta if the surface is closed.
 
-        On a smooth cap it is second-order accurate in the mesh size; 1/2 sum l theta, which omits the
-        boundary, is first-order accurate.
+        With a boundary it is the sum of `mean_curvature` times thirds of triangles: on a smooth cap it is
+        second-order accurate in the mesh size; 1/2 sum l theta, which omits the boundary, is first-order
+        accurate.
         """
+        if self.triangulation.is_closed:
+            return super().integrated_mean_curvature
         return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
 
