@@ -444,6 +444,11 @@ class Embedding:
         t.check_sphere()  # otherwise J is not square, even without rigid motions
         return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
 
+    @property
+    def _curvature_rates(self) -> Any:
+        """Derivatives of a fitted mean curvature; None if it is that of the dihedral angles."""
+        return None
+
     @cached_property
     def _smallest_singular_value(self) -> float:
         """See `Sensitivity.smallest_singular_value`; raises InvalidMetric."""
