@@ -199,6 +199,23 @@ def test_tensors_act_on_tangent_vectors_in_space(use, tensor, said):
         use(Given(tensor))
 
 
+@pytest.mark.parametrize(
+    ("metric", "said"),
+    [
+        (
+            PulledBack(lambda u: 2 * u),
+            r"the differential has the shape \((\d+), 3\) for u of shape \(\1, 3\), not",
+        ),
+        (PulledBack(lambda u: A), r"the differential has the shape \(3, 3\)"),
+        (PulledBack(LINEAR.differential, lambda u: np.eye(3)), r"the ambient metric has the shape \(3, 3\)"),
+    ],
+    ids=["the map", "one matrix", "one ambient"],
+)
+def test_shapes_of_differentials(metric, said):
+    with pytest.raises(InvalidMetric, match=said):
+        embed_smooth(metric)
+
+
 def test_advice_for_tensors_that_are_not_tangent():
     def tensor(u):
         P = np.eye(3) - u[:, :, None] * u[:, None, :]

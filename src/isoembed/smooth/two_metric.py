@@ -196,13 +196,23 @@ class PulledBack:
 
     def tensor(self, u: Floats) -> Floats:
         """See `TwoMetric`."""
-        dX = real_values("the differential", self.differential, u)
+        dX = _matrices("the differential", self.differential, u)
         if self.ambient is None:
             q = np.einsum("nki,nkj->nij", dX, dX)
         else:
-            ambient = real_values("the ambient metric", self.ambient, u)
+            ambient = _matrices("the ambient metric", self.ambient, u)
             q = np.einsum("nki,nkl,nlj->nij", dX, ambient, dX)
         return projected(q, u)
+
+
+def _matrices(name: str, function: Callable[[Floats], Floats], u: Floats) -> Floats:
+    """Values (n, 3, 3) of a function at unit vectors u (n, 3)."""
+    values = real_values(name, function, u)
+    if values.shape != (len(u), 3, 3):
+        raise InvalidMetric(
+            f"{name} has the shape {values.shape} for u of shape {u.shape}, not {(len(u), 3, 3)}"
+        )
+    return values
 
 
 def check_two_metric(metric: object) -> None:
