@@ -10,7 +10,7 @@ import zoo
 from isoembed import Aim, Embedding, PolyhedralMetric
 from isoembed.aim.acceptance import are_identical
 from isoembed.errors import InvalidParameter, NotEmbedded
-from isoembed.gallery import Ellipsoid, Ergosphere, triangulate
+from isoembed.gallery import Cone, Ellipsoid, Ergosphere, triangulate
 from isoembed.io import read_metric, read_surface
 
 NUMBERS = Path(__file__).parents[3] / "shared" / "trials" / "numbers"
@@ -73,6 +73,18 @@ def test_residuals_of_fits_do_not_make_surfaces_identical():
 def test_convex_bodies_are_not_searched():
     found = isoembed.embed(PolyhedralMetric.from_mesh(*zoo.random_hull(40, 1)))
     assert "neighbors" not in {stage.name for stage in found.stages}
+
+
+def test_without_effort_nothing_is_searched():
+    """Nor is it for the start of a band, whose holes are filled."""
+    x, faces = schoenhardt(29.0)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    assert "neighbors" in {stage.name for stage in isoembed.embed(metric).stages}
+    found = isoembed.embed(metric, method=Aim(effort=0))
+    assert not found.others and "neighbors" not in {stage.name for stage in found.stages}
+    vertices, faces = triangulate(Cone(), 60)
+    band = isoembed.embed(PolyhedralMetric.from_mesh(vertices, faces), boundary="free")
+    assert band.converged and "neighbors" not in {stage.name for stage in band.stages}
 
 
 def test_the_smoothest_and_the_nearest_on_request():

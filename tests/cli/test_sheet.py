@@ -1,6 +1,7 @@
 """Surfaces with boundary by the command."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -65,6 +66,8 @@ def test_what_to_type_is_said(call, cap):
         in call("embed", "cap.npz", "--boundary", "free", "--method", "paper")[2]
     )
     assert "none of 'free', 'plane'" in call("embed", "cap.npz", "--boundary", "flat")[2]
+    Path("heights.txt").write_text("0\n0\n")
+    assert "heights.txt is not a .npy file" in call("embed", "cap.npz", "--boundary", "heights.txt")[2]
     assert call("certify", "cap.npz", "cap.npz")[0] == 2
 
 

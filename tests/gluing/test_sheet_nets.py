@@ -151,6 +151,15 @@ def test_glued_polygons_are_embedded_with_a_condition():
         glue(triangles, corners=["abe", "bce", "cde", "dae"])
 
 
+def test_files_of_regular_polygons_permit_a_boundary_as_their_error_says(tmp_path):
+    path, document = tmp_path / "net.json", {"regular": ["abe", "bce", "cde", "dae"]}
+    path.write_text(json.dumps(document))
+    with pytest.raises(InvalidMetric, match="only any_surface permits a boundary"):
+        glue(path)
+    path.write_text(json.dumps(document | {"any_surface": True}))
+    assert np.ptp(embed(glue(path), boundary="plane").vertices[:, 2]) == pytest.approx(0.5**0.5, abs=1e-12)
+
+
 def test_one_square_with_a_boundary_and_without():
     square = [[0, 0], [1, 0], [1, 1], [0, 1]]
     cone = glue([square], [((0, 0), (0, 1))], any_surface=True)

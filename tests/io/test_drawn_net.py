@@ -1,6 +1,7 @@
 """Nets from drawings: the solid comes back from the lines of the file, ours or anybody's."""
 
 import math
+import re
 import time
 from contextlib import nullcontext
 from itertools import combinations
@@ -321,6 +322,16 @@ def test_sides_of_different_lengths_with_one_number_are_named(tmp_path):
     longer = NUMBERED.replace(square(30, 10), '<path d="M30 10h10.5v10h-10.5z"/>')
     with pytest.raises(InvalidMetric, match=r"number [be] are 1\d(\.5)? and 1\d(\.5)? mm long, from"):
         read(tmp_path, svg(longer))
+
+
+def test_the_tolerance_that_is_advised_is_that_of_all_numbers(tmp_path):
+    longer = NUMBERED.replace(square(30, 10), '<path d="M30 10h10.5v10h-10.5z"/>')
+    drawing = svg(longer.replace(square(10, 20), '<path d="M10 20h10v9.3h-10z"/>'))
+    with pytest.raises(InvalidMetric, match=r"give a tolerance of [.\d]+, or correct them") as refusal:
+        read(tmp_path, drawing)
+    tolerance = float(re.search(r"tolerance of ([.\d]+)", str(refusal.value))[1])
+    with pytest.warns(MeshNote, match="the sheets are corrected"):
+        assert 900 < volume(read(tmp_path, drawing, tolerance=tolerance)) < 1050
 
 
 def tetrahedron(x, texts):

@@ -125,6 +125,7 @@ REFUSALS = {
     "string": (T, changed(L, 0, "a"), None, "'a'"),
     "integer beyond floats": (T, changed(L, 0, 10**400), None, "edge 0 has length 1000"),
     "complex": (T, [1j] * 6, None, "edge 0 has length 1j, not a finite number"),
+    "masked": (T, np.ma.masked_equal([1, 1, 1, 1, 1, 1.5], 1.5), None, "edge 5 has a masked length"),
     "table": (T, [L], None, "the lengths have shape (1, 6), not (E,)"),
     "ragged": (T, [[1.0], [1.0, 2.0]], None, "edge 1 has 2 lengths, edge 0 has 1"),
     "scalar": (T, 1.0, None, "the lengths have shape (), not (E,)"),
@@ -169,6 +170,7 @@ MESH_REFUSALS = {
     "all at one point": (np.zeros((4, 3)), "edge 0 [0, 1] has length 0.0"),
     "flat list": (VERTICES.ravel(), "the vertices have shape (12,), not (V, 3)"),
     "strings": ([["a", "b", "c"]] * 4, "vertex 0 has coordinate 'a', not a finite number"),
+    "masked": (np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 7), "vertex 2 has a masked coordinate"),
     "ragged": ([[0.0, 1.0, 2.0], [1.0, 2.0]], "vertex 1 has 2 coordinates, vertex 0 has 3"),
 }
 

@@ -170,3 +170,14 @@ def test_the_greatest_curvature_of_space_is_found_between_samples():
     G = (x - 0.4567) ** 2
     least = (G / (x**2 + (1.0 - x**2) * G)).min()
     assert e.greatest_curvature == pytest.approx(least, abs=1e-10)
+
+
+def test_a_sphere_larger_than_those_of_the_space_embeds_nowhere():
+    """K is less than the curvature of space, as it is at the poles of no surface of revolution."""
+    radius = 1.2
+    sphere = AxisymmetricEmbedding.from_components(
+        lambda t: radius**2 + 0 * t, lambda t: (radius * np.sin(t)) ** 2, space=Spherical(1.0)
+    )
+    assert not sphere.embeds
+    assert "has this metric for all theta: there q_tt" in sphere.explanation
+    assert "(K < k for all theta;" in sphere.explanation

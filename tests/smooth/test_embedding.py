@@ -520,6 +520,18 @@ def test_an_error_that_is_none(value):
         embed_smooth(LOPSIDED, lengths_error=value)
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"start": np.eye(3)}, "start is a ndarray, not a SmoothEmbedding or a Start"),
+        ({"shape": np.eye(3)}, r"shape is a ndarray, not a function of directions \(n, 3\)"),
+    ],
+)
+def test_starts_and_shapes_that_are_none(given, said):
+    with pytest.raises(InvalidParameter, match=said):
+        embed_smooth(LOPSIDED, **given)
+
+
 def negative(theta, phi):
     return np.cos(theta) + 0.5, 0.0, np.sin(theta) ** 2
 

@@ -7,7 +7,7 @@ import pytest
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
-from isoembed.relativity import SurfaceData
+from isoembed.relativity import SurfaceData, embed_surface
 from isoembed.smooth import (
     AxisymmetricEmbedding,
     axis_of_symmetry,
@@ -163,3 +163,63 @@ def test_what_is_no_metric_is_refused_with_its_place(spoil, said):
     u = np.array([[np.sin(0.3) * np.cos(2.5), np.sin(0.3) * np.sin(2.5), np.cos(0.3)]])
     with pytest.raises(InvalidMetric, match=said):
         metric.tensor(u)
+
+
+class Given:
+    """A metric by a function of directions."""
+
+    def __init__(self, tensor):
+        self.tensor = tensor
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        embed_smooth,
+        least_hyperbolic,
+        lambda metric: embed_surface(SurfaceData(metric)),
+        lambda metric: triangulate_metric(metric, 100),
+        lambda metric: triangulate_metric(metric, 100, zone=(0, 1)),
+        lambda metric: gaussian_curvature(metric, np.eye(3)),
+    ],
+)
+@pytest.mark.parametrize(
+    ("tensor", "said"),
+    [
+        (lambda u: (1 + 0.2 * u[:, 2])[:, None, None] ** 2 * np.eye(3), "P q P with P = I - u u"),
+        (lambda u: np.tile(np.eye(2), (len(u), 1, 1)), r"2, 2\) for u of shape \(\d+, 3\), not"),
+        (lambda u: np.eye(3), r"the shape \(3, 3\)"),
+        (lambda u: None, r"the shape \(\)"),
+    ],
+    ids=["not tangent", "two components", "one matrix", "nothing"],
+)
+def test_tensors_act_on_tangent_vectors_in_space(use, tensor, said):
+    # A conformal factor times the unit matrix is not a metric: its determinant is not that of the surface.
+    with pytest.raises(InvalidMetric, match=said):
+        use(Given(tensor))
+
+
+@pytest.mark.parametrize(
+    ("metric", "said"),
+    [
+        (
+            PulledBack(lambda u: 2 * u),
+            r"the differential has the shape \((\d+), 3\) for u of shape \(\1, 3\), not",
+        ),
+        (PulledBack(lambda u: A), r"the differential has the shape \(3, 3\)"),
+        (PulledBack(LINEAR.differential, lambda u: np.eye(3)), r"the ambient metric has the shape \(3, 3\)"),
+    ],
+    ids=["the map", "one matrix", "one ambient"],
+)
+def test_shapes_of_differentials(metric, said):
+    with pytest.raises(InvalidMetric, match=said):
+        embed_smooth(metric)
+
+
+def test_advice_for_tensors_that_are_not_tangent():
+    def tensor(u):
+        P = np.eye(3) - u[:, :, None] * u[:, None, :]
+        return P @ ((1 + 0.2 * u[:, 2])[:, None, None] ** 2 * np.eye(3)) @ P
+
+    area = 4 * np.pi * (1 + 0.2**2 / 3)
+    assert abs(embed_smooth(Given(tensor)).area / area - 1) < 1e-12

@@ -57,6 +57,7 @@ class Neighbors(Decision):
         return (
             answer.converged
             and answer.uniqueness is None
+            and pipeline.method.effort > 0  # 0 means no search
             and is_small
             and bool(answer.surface.concave_edges.any())
         )

@@ -257,7 +257,7 @@ def _sheet(options: argparse.Namespace) -> isoembed.Method:
     boundary: Any = options.boundary or "free"
     if _is_surface(boundary):
         boundary = "free"  # replaced after the metric is read
-    elif ending(boundary) == ".npy":
+    elif ending(boundary):
         boundary = read_numbers(Path(boundary))
     start = None if options.start is None or _is_surface(options.start) else read_numbers(options.start)
     try:

@@ -357,7 +357,7 @@ class Embedding:
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths.
 
-        For surfaces from ``embed(metric, boundary=...)``, that of the fitted `mean_curvature`.
+        For surfaces with boundary, that of the fitted `mean_curvature`.
         """
         return self.surface.integrated_mean_curvature
 
@@ -443,6 +443,11 @@ class Embedding:
         t, normalized = self.triangulation, self.metric.normalized
         t.check_sphere()  # otherwise J is not square, even without rigid motions
         return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
+
+    @property
+    def _curvature_rates(self) -> Any:
+        """Derivatives of a fitted mean curvature; None if it is that of the dihedral angles."""
+        return None
 
     @cached_property
     def _smallest_singular_value(self) -> float:

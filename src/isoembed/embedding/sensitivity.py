@@ -272,7 +272,7 @@ class Sensitivity:
 
         If few different lengths are rounded to a decimal place, with the corresponding standard deviation,
         equal lengths have a common error.  For a `SheetEmbedding`, boundary data are exact, and H is that of
-        the dihedral angles.
+        the fits, as its `mean_curvature`.
 
         Parameters
         ----------
@@ -295,6 +295,7 @@ class Sensitivity:
             sigma,
             shared,
             self.embedding._smoothed_parts,
+            self.embedding._curvature_rates,
         )
         return found.scaled(self._metric.unit)
 
@@ -324,7 +325,10 @@ class Sensitivity:
                 derivatives = None
             found = IntegralDeviation.of(metric, x, sigma, shared, smoothed_parts, derivatives)
         else:
-            found = IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared, smoothed_parts)
+            curvature = self.embedding._curvature_rates
+            found = IntegralDeviation.of_sheet(
+                self._derivatives, t, x, sigma, shared, smoothed_parts, curvature
+            )
         return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:

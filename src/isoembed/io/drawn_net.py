@@ -306,13 +306,15 @@ def _numbered(
     by_text: dict[str, list[Side]] = {}
     for side, text in found.items():
         by_text.setdefault(text, []).append(side)
-    for text, some in by_text.items():
-        lengths = [_length(sheets, side) for side in some]
-        if len(some) == 2 and abs(lengths[0] - lengths[1]) > 2 * tolerance:
+    paired = {text: some for text, some in by_text.items() if len(some) == 2}
+    lengths = {text: [_length(sheets, side) for side in some] for text, some in paired.items()}
+    differences = {text: abs(one - other) for text, (one, other) in lengths.items()}
+    for text, some in paired.items():
+        if differences[text] > 2 * tolerance:
             raise InvalidMetric(
-                f"the sides with the number {text} are {lengths[0]:.6g} and {lengths[1]:.6g} mm long, "
-                f"{_where(sheets, some[0])} and {_where(sheets, some[1])}: give a tolerance of "
-                f"{abs(lengths[0] - lengths[1]):.2g}, or correct them"
+                f"the sides with the number {text} are {lengths[text][0]:.6g} and {lengths[text][1]:.6g} mm "
+                f"long, {_where(sheets, some[0])} and {_where(sheets, some[1])}: give a tolerance of "
+                f"{float(rounded_up(max(differences.values()))):g}, or correct them"
             )
     return found
 

@@ -78,7 +78,8 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
 
         ``polygons``, ``regular`` or ``zip`` may be accompanied by the ``"curvature"`` of the hyperbolic plane
         or sphere from which the polygons are cut, and the ``"model"`` of the corner coordinates, as in
-        `isoembed.glue`; ``polygons`` also by ``"any_surface": true`` if unglued sides are a boundary.
+        `isoembed.glue`; ``polygons`` and ``regular`` also by ``"any_surface": true`` if unglued sides are a
+        boundary.
 
         Or a ``.fold`` file: a crease pattern with vertex names in ``vertices_isoembed:corner``, like the
         corners of `isoembed.glue`.
@@ -186,7 +187,7 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
         return glue(shapes, tolerance=tolerance, **options)
     if tolerance is not None:
         raise InvalidParameter(f"{name} holds {form}, which is exact: a tolerance is for polygons")
-    _entries(document, name, (form,), tuple(surface))
+    _entries(document, name, (form,), (*surface, "any_surface") if form == "regular" else tuple(surface))
     if form == "regular":
         faces = _list(document["regular"], f"regular polygons of {name}")
         sizes = [
@@ -195,7 +196,8 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
         ]
         curvature = surface.get("curvature", 0.0)
         shapes = [regular_polygon(n, curvature=curvature) for n in sizes]
-        return glue(shapes, corners=faces, curvature=curvature)
+        any_surface = declared_any_surface(document, name)
+        return glue(shapes, corners=faces, curvature=curvature, any_surface=any_surface)
     if form == "zip":
         entries = _entries(document["zip"], f"zip of {name}", ("polygon", "at"))
         return zipped(_polygon(entries["polygon"], "the polygon", **surface), entries["at"], **surface)

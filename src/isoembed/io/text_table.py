@@ -27,8 +27,15 @@ class TextTable:
     lines: Indices
 
 
+def words_of(line: str) -> list[str]:
+    """The words of a row, between blanks, commas or semicolons; beside semicolons, commas are decimal."""
+    if ";" in line:
+        return line.replace(",", ".").replace(";", " ").split()
+    return line.replace(",", " ").split()
+
+
 def read_text_table(file: InputFile, *, named: bool = False) -> TextTable:
-    """Read a table of numbers separated by blanks or commas; blank lines are skipped.
+    """Read a table of numbers separated as in `words_of`; blank lines are skipped.
 
     Parameters
     ----------
@@ -43,11 +50,7 @@ def read_text_table(file: InputFile, *, named: bool = False) -> TextTable:
         names the line.
     """
     lines = list(enumerate(map(str.strip, file.text.splitlines()), 1))
-    rows = [
-        (number, line.replace(",", " ").split())
-        for number, line in lines
-        if line and not line.startswith("#")
-    ]
+    rows = [(number, words_of(line)) for number, line in lines if line and not line.startswith("#")]
     if named and rows and rows[0][1][0].isidentifier():
         del rows[0]
     if not rows:

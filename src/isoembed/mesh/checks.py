@@ -142,6 +142,9 @@ def real_array(data: ArrayLike, item: str, quantity: str) -> Floats:
         sizes = [np.size(row) for row in data]  # type: ignore[union-attr]
         k = next(k for k, size in enumerate(sizes) if size != sizes[0])
         raise InvalidMetric(f"{item} {k} has {sizes[k]} {quantity}s, {item} 0 has {sizes[0]}") from None
+    if np.ma.is_masked(data):  # the number below the mask may be anything
+        k = int(np.argwhere(np.ma.getmaskarray(np.ma.asarray(data)))[0][0])
+        raise InvalidMetric(f"{item} {k} has a masked {quantity}, not a finite number")
     if values.dtype.kind not in "iuf":
         for k, row in enumerate(data if np.ndim(data) else [data]):  # type: ignore[arg-type]
             for value in np.ravel(np.array(row, dtype=object)):

@@ -7,6 +7,8 @@ Second derivatives are those of polynomials fitted to the neighbors in `charts`.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
@@ -91,10 +93,15 @@ class BendingEnergy:
 
     def curvature_vectors(self, vertices: Floats) -> Floats:
         """Mean curvature vectors ``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
-        second = (self._second @ vertices).reshape(-1, 3, 3)
-        found = np.empty_like(vertices)
-        found[self._order] = second[:, 0] + second[:, 2]
-        return found / np.sqrt(self.areas)[:, None]
+        return np.asarray(self.curvature_map @ vertices)
+
+    @cached_property
+    def curvature_map(self) -> csr_array:
+        """Linear map, (V, V), from the vertices to the mean curvature vectors."""
+        n = len(self._order)
+        chosen = np.repeat(self._order, 2), (3 * np.arange(n)[:, None] + [0, 2]).ravel()
+        weights = np.repeat(1 / np.sqrt(self.areas[self._order]), 2)
+        return csr_array(csr_array((weights, chosen), shape=(n, 3 * n)) @ self._second)
 
     def value(self, vertices: Floats) -> float:
         """Minimized energy, including the stabilizer."""

@@ -15,7 +15,8 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.surface.measures import COPLANAR, above_boundary, cone_sum, face_normals
+from isoembed.sheets.fitted_curvature import FittedCurvatureRates, fitted_mean_curvature
+from isoembed.surface.measures import COPLANAR, above_boundary, cone_sum
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -63,13 +64,7 @@ class SheetSurface(Surface):
 
     @cached_property
     def _normalized_mean_curvature(self) -> Floats:
-        faces, x = self.faces, self._normalized
-        normals = np.zeros_like(x)
-        for corner in faces.T:
-            np.add.at(normals, corner, face_normals(faces, x))
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        along = np.einsum("vi,vi->v", self._energy.curvature_vectors(x), normals)
-        return frozen(-along)
+        return frozen(fitted_mean_curvature(self._energy, self.faces, self._normalized))
 
     @cached_property
     def _above_boundary(self) -> Floats | None:
@@ -90,11 +85,14 @@ class SheetSurface(Surface):
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths: sum of `mean_curvature` times thirds of triangles.
+        """Integral of H dA, in the unit of the lengths: 1/2 sum l theta if the surface is closed.
 
-        On a smooth cap it is second-order accurate in the mesh size; 1/2 sum l theta, which omits the
-        boundary, is first-order accurate.
+        With a boundary it is the sum of `mean_curvature` times thirds of triangles: on a smooth cap it is
+        second-order accurate in the mesh size; 1/2 sum l theta, which omits the boundary, is first-order
+        accurate.
         """
+        if self.triangulation.is_closed:
+            return super().integrated_mean_curvature
         return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
 
@@ -271,6 +269,11 @@ class SheetEmbedding(Embedding):
         from isoembed.sheets.derivatives import SheetDerivatives
 
         return SheetDerivatives.of(self)
+
+    @cached_property
+    def _curvature_rates(self) -> FittedCurvatureRates:
+        """Derivatives of the fitted mean curvature."""
+        return FittedCurvatureRates.of(self.metric.normalized, self.vertices / self.metric.unit)
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -482,5 +482,6 @@ def _listed(intervals: Sequence[Interval]) -> str:
     for start, stop in intervals:
         lower = f"{start:.6g} < " if start > 0.0 else ""
         upper = f" < {stop:.6g}" if stop < np.pi else ""
-        words.append(f"{lower}theta{upper}" if upper or not lower else f"theta > {start:.6g}")
+        one_sided = f"theta > {start:.6g}" if lower else "all theta"
+        words.append(f"{lower}theta{upper}" if upper else one_sided)
     return " and ".join(words) or "no theta"

@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
-from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
+from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric, tensor_at
 
 CHUNK = 8192  # geodesics at a time, to bound the memory
 WIDEST = 170.0  # largest angle between the ends of a path, in degrees
 SIDEWAYS = 0.1  # half-width of strips about a path, in chords
 RESOLVED = 1e-6  # relative change of the length above which the nodes are doubled
+RADIAL = 1e-6  # largest q u, over the trace: more than rounding and numerical derivatives leave
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
@@ -109,10 +110,10 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
     ------
     InvalidMetric
         The metric is not positive definite; the message names theta and phi of the first such direction and
-        the smaller eigenvalue.
+        the smaller eigenvalue.  Or it is not (n, 3, 3), or not tangent to the sphere, ``q u = 0``.
     """
     check_two_metric(metric)
-    q = metric.tensor(u)
+    q = tensor_at(metric, u)
     trace = q[:, 0, 0] + q[:, 1, 1] + q[:, 2, 2]
     good = np.isfinite(trace) & (trace > 0.0)
     if good.all():
@@ -126,6 +127,14 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
             value = f"has the eigenvalue {0.5 * (trace[i] - difference):.6g}"
         raise InvalidMetric(
             f"the metric {value} at theta = {theta:.6g}, phi = {phi:.6g}: it must be positive definite"
+        )
+    radial = np.einsum("nij,nj->ni", q, u)
+    tangent = np.abs(radial).max(axis=1) <= RADIAL * trace
+    if not tangent.all():
+        i = int(np.argmin(tangent))
+        raise InvalidMetric(
+            f"q u is {radial[i].tolist()} at u = {u[i].tolist()}, not 0: a metric acts on tangent vectors; "
+            "P q P with P = I - u u^T does"
         )
     return q
 

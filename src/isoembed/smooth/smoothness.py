@@ -12,7 +12,14 @@ from isoembed.errors import InvalidMetric
 from isoembed.meshing.spreading import WHOLE, Zone
 from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
-from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components, components_at
+from isoembed.smooth.two_metric import (
+    NEAR_POLE,
+    AngleMetric,
+    TwoMetric,
+    angle_components,
+    components_at,
+    tensor_at,
+)
 
 CONFLICT = 5e-3  # largest relative conflict of components of a smooth tensor
 VISIBLE = 1e-6  # least relative misfit attributed to a mistake
@@ -160,7 +167,7 @@ class _Mirrored:
         """See `TwoMetric`."""
         flip = np.ones((len(u), 3))
         flip[self.pole * u[:, 2] < 0.0, 2] = -1.0
-        return flip[:, :, None] * self.metric.tensor(flip * u) * flip[:, None, :]
+        return flip[:, :, None] * tensor_at(self.metric, flip * u) * flip[:, None, :]
 
 
 def _checked_rings(metric: TwoMetric, zone: Zone) -> PoleSight:

@@ -92,6 +92,8 @@ def embed_smooth(
 
     Raises
     ------
+    InvalidParameter
+        A parameter has a type or a value that it cannot have.
     InvalidMetric
         The metric is not positive definite somewhere, or so far from smooth at the poles that no surface is
         within the tolerance; the message describes the behavior there.
@@ -114,6 +116,10 @@ def embed_smooth(
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
             raise InvalidParameter(f"the {name} is {value!r}, not a positive finite number")
+    if not (start is None or isinstance(start, SmoothEmbedding | Start)):
+        raise InvalidParameter(f"start is a {type(start).__name__}, not a SmoothEmbedding or a Start")
+    if not (shape is None or callable(shape)):
+        raise InvalidParameter(f"shape is a {type(shape).__name__}, not a function of directions (n, 3)")
     if start is None:
         sight = metric.at_poles() if isinstance(metric, GridMetric) else check_rings(metric)
         if not best_fit:

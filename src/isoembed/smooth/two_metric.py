@@ -196,13 +196,23 @@ class PulledBack:
 
     def tensor(self, u: Floats) -> Floats:
         """See `TwoMetric`."""
-        dX = real_values("the differential", self.differential, u)
+        dX = _matrices("the differential", self.differential, u)
         if self.ambient is None:
             q = np.einsum("nki,nkj->nij", dX, dX)
         else:
-            ambient = real_values("the ambient metric", self.ambient, u)
+            ambient = _matrices("the ambient metric", self.ambient, u)
             q = np.einsum("nki,nkl,nlj->nij", dX, ambient, dX)
         return projected(q, u)
+
+
+def _matrices(name: str, function: Callable[[Floats], Floats], u: Floats) -> Floats:
+    """Values (n, 3, 3) of a function at unit vectors u (n, 3)."""
+    values = real_values(name, function, u)
+    if values.shape != (len(u), 3, 3):
+        raise InvalidMetric(
+            f"{name} has the shape {values.shape} for u of shape {u.shape}, not {(len(u), 3, 3)}"
+        )
+    return values
 
 
 def check_two_metric(metric: object) -> None:
@@ -214,6 +224,23 @@ def check_two_metric(metric: object) -> None:
         raise InvalidMetric(
             f"the metric is a {type(metric).__name__}, which has no method tensor(u): {advice}"
         )
+
+
+def tensor_at(metric: TwoMetric, u: Floats) -> Floats:
+    """Tensor (n, 3, 3) of a metric at unit vectors u (n, 3).
+
+    Raises
+    ------
+    InvalidMetric
+        The tensor has another shape.
+    """
+    q = metric.tensor(u)
+    if np.shape(q) != (len(u), 3, 3):
+        raise InvalidMetric(
+            f"the metric's tensor(u) has the shape {np.shape(q)} for u of shape {u.shape}, not "
+            f"{(len(u), 3, 3)}"
+        )
+    return q
 
 
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:
@@ -258,7 +285,7 @@ def is_axisymmetric(metric: TwoMetric) -> bool:
     Integrals over the surface are not changed to first order by a deviation, if they are means over phi.
     """
     check_two_metric(metric)
-    return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)), METRIC_ROUNDING)
+    return is_symmetric_about_z(lambda u: angle_components(u, tensor_at(metric, u)), METRIC_ROUNDING)
 
 
 def is_symmetric_about_z(function: Callable[[Floats], Floats], rounding: float = ROUNDING) -> bool:

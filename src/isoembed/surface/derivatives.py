@@ -154,25 +154,17 @@ def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space
 def integral_gradients(triangulation: Triangulation, vertices: Floats) -> Floats:
     """Gradients of area, volume and int H dA = 1/2 sum l theta with respect to the vertices, (3, V, 3).
 
-    Only faces at the boundary contribute to ``sum l dtheta``: elsewhere it is zero (Schlaefli).
+    The last one is that of closed surfaces, where ``sum l dtheta`` is zero (Schlaefli).
     """
     t, corners = triangulation, vertices[triangulation.faces]
-    sides = np.roll(corners, -1, axis=1) - corners
     N = face_normals(t.faces, vertices)
-    size = np.linalg.norm(N, axis=1)[:, None]
-    n = N / size
-    grown = np.cross(n[:, None], np.roll(sides, -1, axis=1)) / 2
-    outer = np.where((t.sides_across < 0).reshape(-1, 3, 1), sides, 0.0).sum(axis=1)
-    q = np.cross(outer, n) / (2 * size)
-    second, third = np.cross(corners[:, 2] - corners[:, 0], q), np.cross(q, corners[:, 1] - corners[:, 0])
-    bent = np.stack([-second - third, second, third], axis=1)
-    area, bending = (
-        np.stack([np.bincount(t.faces.ravel(), each) for each in rates.reshape(-1, 3).T], axis=1)
-        for rates in (grown, bent)
-    )
+    n = N / np.linalg.norm(N, axis=1)[:, None]
+    grown = np.cross(n[:, None], np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)) / 2
+    rates = grown.reshape(-1, 3).T
+    area = np.stack([np.bincount(t.faces.ravel(), each) for each in rates], axis=1)
     along = vertices[t.edges[:, 0]] - vertices[t.edges[:, 1]]
     along *= (dihedral_angles(t, vertices) / np.linalg.norm(along, axis=1) / 2)[:, None]
-    return np.stack([area, volume_gradient(t, vertices), bending + t.incidence @ along])
+    return np.stack([area, volume_gradient(t, vertices), t.incidence @ along])
 
 
 def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats]:

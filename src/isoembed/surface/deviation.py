@@ -61,6 +61,18 @@ class Derivatives(Protocol):
         ...
 
 
+class CurvatureRates(Protocol):
+    """Derivatives of a mean curvature that depends on the lengths and on the vertices."""
+
+    def rates(self, changes: Floats, velocity: Floats) -> Floats:
+        """Derivative, (V,), along changes of the lengths, (E,), that move the vertices, (V, 3)."""
+        ...
+
+    def integral_gradients(self) -> tuple[Floats, Floats]:
+        """Gradients of the integral with respect to the lengths, (E,), and the vertices, (V, 3)."""
+        ...
+
+
 @short_repr
 @dataclass(frozen=True, eq=False)
 class IntegralDeviation:
@@ -124,11 +136,20 @@ class IntegralDeviation:
         errors: Floats,
         shared: Indices,
         missed: Floats,
+        curvature: CurvatureRates | None = None,
     ) -> IntegralDeviation:
-        """Deviation of a surface in R^3 with boundary or handles, possibly a fit to the given lengths."""
+        """Deviation of a surface in R^3 with boundary or handles, possibly a fit to the given lengths.
+
+        With a boundary the mean curvature is that of `curvature`; without one its deviation is NaN.
+        """
         above = above_boundary(triangulation, vertices)
         x = vertices if above is None else above
-        rates = derivatives.vjp(integral_gradients(triangulation, x))
+        gradients = integral_gradients(triangulation, x)
+        by_lengths = np.full(triangulation.n_edges, 0.0 if triangulation.is_closed else np.nan)
+        if curvature is not None and not triangulation.is_closed:
+            by_lengths, gradients[2] = curvature.integral_gradients()
+        rates = derivatives.vjp(gradients)
+        rates[2] += by_lengths
         if above is not None:  # the volume is positive, whatever the side
             rates[1] *= np.sign(cone_sum(triangulation.faces, above))
         elif not triangulation.is_closed:
@@ -219,10 +240,12 @@ class Deviation(Changes):
         errors: Floats,
         shared: Indices,
         missed: Floats,
+        curvature: CurvatureRates | None = None,
     ) -> Deviation:
         """Estimate from the standard deviations of the lengths, (E,), and labels of `shared_errors`, (E,).
 
-        `missed` are the given lengths minus those of the surface, (E,), if it is a fit, else zeros.
+        `missed` are the given lengths minus those of the surface, (E,), if it is a fit, else zeros.  If
+        `curvature` is None, the mean curvature is that of the dihedral angles.
 
         Area, volume and integrated mean curvature need a single solve.  The arrays are estimated by averaging
         the squared responses to errors with random signs; if there are no more errors than probes, each error
@@ -233,14 +256,20 @@ class Deviation(Changes):
             closed = cast(LengthDerivatives, derivatives)
             integrals = IntegralDeviation.of(metric, vertices, errors, shared, missed, closed)
         else:
-            integrals = IntegralDeviation.of_sheet(derivatives, t, vertices, errors, shared, missed)
+            integrals = IntegralDeviation.of_sheet(
+                derivatives, t, vertices, errors, shared, missed, curvature
+            )
         n = int(shared.max()) + 1
         exact = n <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(n) if exact else _signs(n, PROBES):
-            moved = derivatives.jvp(errors * draw[shared])
-            for total, square in zip(sums, _squares(t, vertices, moved), strict=True):
-                total += square
+            changes = errors * draw[shared]
+            moved = derivatives.jvp(changes)
+            *rates, curved = _rates(t, vertices, moved)
+            if curvature is not None:
+                curved = curvature.rates(changes, moved)
+            for total, rate in zip(sums, (*rates, curved), strict=True):
+                total += rate**2
         probes = 0 if exact else PROBES
         at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
         return cls(
@@ -277,8 +306,8 @@ def _signs(n: int, count: int) -> Iterator[Floats]:
         yield rng.choice([-1.0, 1.0], n)
 
 
-def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Squared rates of the vertices, normals, dihedral angles and H for vertex velocities v."""
+def _rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Rates of the vertices, normals, dihedral angles and their H for vertex velocities v."""
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1)
     n = N / size[:, None]
@@ -291,7 +320,7 @@ def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Fl
     integrals = np.bincount(t.edges.ravel(), quarters)
     areas, shares = vertex_areas(t, x), vertex_area_rates(t, x, along / 2, 2 * lengths * grown)
     curved = (integrals - vertex_mean_curvature(t, x, areas) * shares) / areas
-    return np.einsum("vi,vi->v", v, v), turned**2, bent**2, curved**2
+    return np.linalg.norm(v, axis=1), turned, bent, curved
 
 
 def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> float:

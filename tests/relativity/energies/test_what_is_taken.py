@@ -75,6 +75,16 @@ def test_values_that_are_not_finite_are_refused(field, name):
         _ = surface.energies, surface.spin
 
 
+@pytest.mark.parametrize("field", ["mean_curvature", "momentum"])
+@pytest.mark.parametrize("values", [None, "2", 2j], ids=repr)
+def test_functions_that_return_no_real_numbers_are_named(field, values):
+    sphere = SurfaceData(
+        AngleMetric(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2)), lambda u: np.ones(len(u))
+    )
+    with pytest.raises(InvalidParameter, match=rf"the {field.replace('_', ' ')} has .*, not real numbers"):
+        _ = embed_surface(replace(sphere, **{field: lambda u: values})).energies
+
+
 def test_a_horizon_whose_angular_momentum_is_not_known_says_so():
     data = SurfaceData(GRID, marginal=True)
     assert any(

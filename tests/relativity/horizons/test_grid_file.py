@@ -64,6 +64,15 @@ def test_tables_with_a_row_for_each_node(name, head, tmp_path):
     assert shape_files_in(tmp_path) == [tmp_path / name]
 
 
+@pytest.mark.parametrize("point", [".", ","])
+def test_tables_of_spreadsheets_with_semicolons(point, tmp_path):
+    arrays, path = metric_arrays(), tmp_path / "q.csv"
+    write_table(path, *nodes(arrays))
+    path.write_text(path.read_text().replace(",", ";").replace(".", point))
+    for each in ("theta", "phi", "q_tt", "q_pp"):
+        np.testing.assert_array_equal(getattr(read_metric_or_grid(path).metric, each), arrays[each])
+
+
 def test_columns_with_numbers_and_without_phi(tmp_path):
     arrays = metric_arrays(m=1)
     columns = np.stack([arrays["theta"], arrays["q_tt"][:, 0], arrays["q_pp"][:, 0]], axis=1)

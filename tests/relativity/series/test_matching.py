@@ -67,7 +67,7 @@ def test_one_slice_and_one_horizon_match_only_at_the_same_time():
         (shape("ah1", 7), [], r"no slice for ah1 at iteration 7 \(ah1-7-None\): there are no slices"),
         (shape("ah1", 7), [slice_(4), slice_(6)], "slices are at iterations 4, 6$"),
         (shape("ah1", 7), [slice_(k) for k in range(0, 20, 2)], r"0, 2, ..., 18 \(10 of them\)$"),
-        (shape("ah1", 7, 0.75), [slice_(time=1.0)], "slices are at t = 1$"),
+        (shape("ah1", 7, 0.75), [slice_(time=1.0)], r"ah1 at t = 0\.75 \(.*\): slices are at t = 1$"),
         (shape("ah1", 7), [slice_(time=1.0)], "ah1 at iteration 7 .*: slices are at t = 1$"),
         (shape("ah1"), [slice_(3, 1.5)], r"no slice for ah1 \(.*\): slices are at iterations 3 and t = 1.5$"),
         (shape("ah1", time=2.0), [slice_(3)], r"ah1 at t = 2 \(.*\): slices are at iterations 3$"),

@@ -24,7 +24,7 @@ from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
 from isoembed.smooth.solve import embed_smooth
 from isoembed.smooth.start import Start
-from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.two_metric import area_density, tensor_at
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 
@@ -214,7 +214,7 @@ def embed_surface(
         raise InvalidParameter(f"the data are a {type(data).__name__}, not SurfaceData: {instead}")
     if not (start is None or isinstance(start, EmbeddedSurface | Start)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface or a Start")
-    trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
+    trace = np.trace(tensor_at(data.metric, np.eye(3)), axis1=1, axis2=2)
     if not np.all((trace > 1e-200) & (trace < 1e200)):  # otherwise squares of lengths underflow or overflow
         raise InvalidMetric(
             f"products of squared lengths of about {trace.max():.3g} overflow or underflow: use another unit"

@@ -88,13 +88,13 @@ def is_symmetric(data: SurfaceData, embedding: SmoothEmbedding) -> bool:
 def _lies_symmetrically(data: SurfaceData, coordinates: SphereMap | None = None) -> bool:
     """Whether k and p are symmetric about the z-axis, of the coordinates if given."""
 
-    def symmetric(function: Callable[[Floats], Floats]) -> bool:
+    def symmetric(name: str, function: Callable[[Floats], Floats]) -> bool:
         if coordinates is None:
-            return is_symmetric_about_z(function)
-        return is_symmetric_about_z(lambda v: function(coordinates.forward(v)))
+            return is_symmetric_about_z(lambda u: values_of(function, u, name))
+        return is_symmetric_about_z(lambda v: values_of(function, coordinates.forward(v), name))
 
-    functions = (data.mean_curvature, data.momentum)
-    return all(function is None or symmetric(function) for function in functions)
+    named = {"the mean curvature": data.mean_curvature, "the momentum": data.momentum}
+    return all(function is None or symmetric(name, function) for name, function in named.items())
 
 
 def _energies(

@@ -12,7 +12,7 @@ from isoembed.io.files import FileError, Tables, check_ending, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.metric import read_metric
-from isoembed.io.text_table import read_text_table
+from isoembed.io.text_table import read_text_table, words_of
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.horizons.curvature_check import brought_curvature
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
@@ -165,7 +165,7 @@ def _columns(file: InputFile) -> list[str]:
     """Column names of a table, from the last comment or line of names before the numbers."""
     names = list[str]()
     for line in file.text.splitlines():
-        words = NUMBERED.sub("", line.strip("# \t\ufeff").replace(",", " ")).split()
+        words = NUMBERED.sub("", " ".join(words_of(line.strip("# \t\ufeff")))).split()
         if words and words[0].isidentifier():
             names = words
         if words and not line.lstrip().startswith("#"):

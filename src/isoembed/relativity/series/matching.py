@@ -112,7 +112,9 @@ class _Slices:
         return self._missing(shape)
 
     def _missing(self, shape: Moment) -> MissingSlice:
-        here = f"no slice for {_when(shape)} ({shape.shape.name})"
+        by_time = shape.time is not None and len(self.times) and not self.by_iteration
+        when = f"{shape.series} at t = {shape.time:.9g}" if by_time else _when(shape)
+        here = f"no slice for {when} ({shape.shape.name})"
         if self.count == 0:
             return MissingSlice(f"there is {here}: there are no slices")
         there = [
