@@ -7,8 +7,6 @@ vertices.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
@@ -28,46 +26,33 @@ def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_
     metric : PolyhedralMetric
     vertices : ndarray, shape (V, 3)
     """
-    t, energy = metric.triangulation, BendingEnergy(metric)
-    at, at_row = energy.rows.indices, np.repeat(np.arange(energy.rows.shape[0]), np.diff(energy.rows.indptr))
+    t = metric.triangulation
+    edges = _edges_of_charts(metric)
+    colors = _colors(edges)
     found = csr_array((3 * t.n_vertices, t.n_edges))
-
-    def forces(energy: BendingEnergy) -> Floats:
-        return 2 * energy.rows.data[:, None] * (energy.rows @ vertices)[at_row]
-
-    for changed, edges, rates in chart_rates(metric, forces, energy.row_centers[at_row]):
-        places = (3 * at[changed, None] + np.arange(3)).ravel(), np.repeat(edges, 3)
+    for color in range(int(colors.max()) + 1):
+        mine = colors == color
+        owner = np.full(t.n_vertices, -1)  # the edge changed in each chart
+        rows, columns = edges[:, np.flatnonzero(mine)].nonzero()
+        owner[rows] = np.flatnonzero(mine)[columns]
+        steps = np.where(mine, STEP * metric.lengths, 0.0)
+        (at, centers, forward), (_, _, backward) = (
+            _chart_forces(BendingEnergy(metric.with_lengths(metric.lengths + sign * steps)), vertices)
+            for sign in (1.0, -1.0)
+        )
+        e = owner[centers]
+        changed = np.flatnonzero(e >= 0)
+        rates = (forward - backward)[changed] / (2 * steps[e[changed], None])
+        places = (3 * at[changed, None] + np.arange(3)).ravel(), np.repeat(e[changed], 3)
         found = found + csr_array(coo_array((rates.ravel(), places), shape=found.shape))
     return found
 
 
-def chart_rates(
-    metric: PolyhedralMetric, terms: Callable[[BendingEnergy], Floats], centers: Indices
-) -> Iterator[tuple[Indices, Indices, Floats]]:
-    """Derivatives of terms of the fits with respect to the lengths: indices of terms, edges, and rates.
-
-    Parameters
-    ----------
-    metric : PolyhedralMetric
-    terms : callable
-        Takes a `BendingEnergy` and returns terms (n, k), each of which depends on a single chart.
-    centers : ndarray of int, shape (n,)
-        The vertices of these charts.
-    """
-    incidence = _edges_of_charts(metric)
-    colors = _colors(incidence)
-    for color in range(int(colors.max()) + 1):
-        mine = colors == color
-        owner = np.full(metric.triangulation.n_vertices, -1)  # the edge changed in each chart
-        rows, columns = incidence[:, np.flatnonzero(mine)].nonzero()
-        owner[rows] = np.flatnonzero(mine)[columns]
-        steps = np.where(mine, STEP * metric.lengths, 0.0)
-        forward, backward = (
-            terms(BendingEnergy(metric.with_lengths(metric.lengths + sign * steps))) for sign in (1.0, -1.0)
-        )
-        changed = np.flatnonzero(owner[centers] >= 0)
-        edges = owner[centers[changed]]
-        yield changed, edges, (forward - backward)[changed] / (2 * steps[edges, None])
+def _chart_forces(energy: BendingEnergy, vertices: Floats) -> tuple[Indices, Indices, Floats]:
+    """Terms of the gradient: their vertices, the centers of their charts, and the forces (n, 3)."""
+    rows = energy.rows
+    at_row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
+    return rows.indices, energy.row_centers[at_row], 2 * rows.data[:, None] * (rows @ vertices)[at_row]
 
 
 def _edges_of_charts(metric: PolyhedralMetric) -> csr_array:

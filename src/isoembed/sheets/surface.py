@@ -273,7 +273,8 @@ class SheetEmbedding(Embedding):
     @cached_property
     def _curvature_rates(self) -> FittedCurvatureRates:
         """Derivatives of the fitted mean curvature."""
-        return FittedCurvatureRates.of(self.metric.normalized, self.vertices / self.metric.unit)
+        metric, x = self.metric.normalized, self.vertices / self.metric.unit
+        return FittedCurvatureRates(metric.triangulation, x, BendingEnergy(metric))
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -62,14 +62,14 @@ class Derivatives(Protocol):
 
 
 class CurvatureRates(Protocol):
-    """Derivatives of a mean curvature that depends on the lengths and on the vertices."""
+    """Derivatives of a mean curvature that is not that of the dihedral angles."""
 
-    def rates(self, changes: Floats, velocity: Floats) -> Floats:
-        """Derivative, (V,), along changes of the lengths, (E,), that move the vertices, (V, 3)."""
+    def rates(self, velocity: Floats) -> Floats:
+        """Derivative, (V,), for velocities of the vertices, (V, 3)."""
         ...
 
-    def integral_gradients(self) -> tuple[Floats, Floats]:
-        """Gradients of the integral with respect to the lengths, (E,), and the vertices, (V, 3)."""
+    def integral_gradient(self) -> Floats:
+        """Gradient of the integral with respect to the vertices, (V, 3)."""
         ...
 
 
@@ -145,11 +145,11 @@ class IntegralDeviation:
         above = above_boundary(triangulation, vertices)
         x = vertices if above is None else above
         gradients = integral_gradients(triangulation, x)
-        by_lengths = np.full(triangulation.n_edges, 0.0 if triangulation.is_closed else np.nan)
-        if curvature is not None and not triangulation.is_closed:
-            by_lengths, gradients[2] = curvature.integral_gradients()
+        if not triangulation.is_closed:
+            gradients[2] = 0.0 if curvature is None else curvature.integral_gradient()
         rates = derivatives.vjp(gradients)
-        rates[2] += by_lengths
+        if curvature is None and not triangulation.is_closed:
+            rates[2] = np.nan
         if above is not None:  # the volume is positive, whatever the side
             rates[1] *= np.sign(cone_sum(triangulation.faces, above))
         elif not triangulation.is_closed:
@@ -263,11 +263,10 @@ class Deviation(Changes):
         exact = n <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(n) if exact else _signs(n, PROBES):
-            changes = errors * draw[shared]
-            moved = derivatives.jvp(changes)
+            moved = derivatives.jvp(errors * draw[shared])
             *rates, curved = _rates(t, vertices, moved)
             if curvature is not None:
-                curved = curvature.rates(changes, moved)
+                curved = curvature.rates(moved)
             for total, rate in zip(sums, (*rates, curved), strict=True):
                 total += rate**2
         probes = 0 if exact else PROBES
