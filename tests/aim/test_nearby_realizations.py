@@ -6,7 +6,7 @@ import pytest
 import smooth_bodies
 import zoo
 from isoembed.aim.nearby_realizations import nearby_realizations
-from isoembed.gallery import Bean, triangulate
+from isoembed.gallery import Bean, Ergosphere, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.alignment import distance
 from isoembed.surface.rigidity import LengthSystem, length_residuals
@@ -36,6 +36,14 @@ def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular
         assert distance(other, x) > 1e-6
         again, *_ = found(system, other, lengths)
         assert distance(again, x) < 1e-9
+
+
+def test_a_search_ends_at_the_first_step_that_does_not_halve_the_residual():
+    system, x, lengths = realization(*triangulate(Ergosphere(epsilon=0.5), 400, irregular=0))
+    recorder = smooth_bodies.recorder()
+    system = LengthSystem(system.triangulation, work=recorder.work)
+    assert len(nearby_realizations(system, x, lengths, recorder, residual_tolerance=1e-11)) == 1
+    assert recorder.factorizations == 2  # for the softest motions, and of one step
 
 
 def test_from_between_two_neighbors_one_is_found():

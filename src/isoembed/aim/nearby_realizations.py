@@ -12,12 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.quadratic_roots import quadratic_roots
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
@@ -121,7 +123,7 @@ def predicted_motions(
     unit = float(expansion.lengths.mean())
     scaled = near * unit / np.linalg.norm(directions, axis=2).max(axis=1)[:, None, None] * directions
     projection = np.linalg.pinv(expansion.rates(scaled).T)
-    Q = np.array([expansion.bends(each, scaled) @ projection.T for each in scaled])
+    Q = expansion.bends(scaled[:, None], scaled) @ projection.T
     found = quadratic_roots(projection @ expansion.residuals, np.eye(len(scaled)), Q.transpose(2, 0, 1))
     motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
@@ -140,7 +142,16 @@ def _realized(
     residual_tolerance: float,
 ) -> Floats | None:
     """Realization that Newton's method finds from the end of a motion; None if it is not a different one."""
-    found = anneal(system, vertices + motion, lengths, recorder, max_iterations=4)  # Newton steps
-    moved = np.abs(found.vertices - vertices).max()
+    # Where a step does not halve the residual, the start is outside of the region of quadratic convergence.
+    found = length_newton(
+        system,
+        vertices + motion,
+        lengths,
+        contraction(0.5),
+        recorder=recorder,
+        converged=below(1e-13),  # mean edge lengths
+        max_iterations=4,
+    )
+    moved = np.abs(found.point.x - vertices).max()
     apart = moved > APART * np.abs(motion).max()
-    return found.vertices if apart and found.residual <= residual_tolerance else None
+    return found.point.x if apart and found.value <= residual_tolerance else None
