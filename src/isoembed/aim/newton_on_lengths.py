@@ -7,11 +7,14 @@ import numpy as np
 from isoembed.aim.anneal import anneal
 from isoembed.arrays import Floats
 from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.newton import Point
 from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
+
+LOST = 0.5  # mean edge lengths; residual from which Newton's method is not continued
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +56,19 @@ def newton_on_lengths(
         None if Newton's method does not converge immediately.
     """
     unit = float(lengths.mean())
+    lost = LOST * unit
+
+    def loses(p: Point, *_: float) -> bool:
+        return system.space.is_euclidean and least_residual_after_step(p.residual, lengths) > lost
+
     begun = length_newton(
-        system, start, lengths, recorder=recorder, converged=below(good * unit), max_iterations=1
+        system,
+        start,
+        lengths,
+        recorder=recorder,
+        converged=below(good * unit),
+        stalled=loses,
+        max_iterations=1,
     )
     if begun.iterations == 0:
         return BranchSolution(start, 0.0) if begun.converged else None
@@ -64,7 +78,7 @@ def newton_on_lengths(
         lengths,
         contraction(0.5),
         converged=below(1e-4 * unit),  # the limit is determined from here
-        stalled=lambda _, size, __: size > 0.5 * unit,  # lost
+        stalled=lambda _, size, __: size > lost,
         max_iterations=100,
         recorder=recorder,
     )
@@ -73,3 +87,13 @@ def newton_on_lengths(
     expected, heights = (umbrella_heights(system.triangulation, p.x) for p in (begun.point, found.point))
     deviation = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
     return BranchSolution(anneal(system, found.point.x, lengths, recorder).vertices, deviation)
+
+
+def least_residual_after_step(residuals: Floats, lengths: Floats) -> float:
+    """Lower bound on the largest residual after a Newton step in Euclidean space, without the step.
+
+    The step moves the ends of an edge e of length l by d relative to one another, with ``e . d = r l``.  It
+    leaves the residual ``|d|^2 / (2 l)``, with ``|d| >= |r| l / |e|`` and ``|e|^2 = l^2 + 2 r l``.
+    """
+    with np.errstate(divide="ignore"):  # an edge of length zero
+        return float((residuals**2 / (2 * (lengths + 2 * residuals))).max())
