@@ -5,7 +5,8 @@ import pytest
 
 import smooth_bodies
 import zoo
-from isoembed.aim.nearby_realizations import nearby_realizations
+from isoembed.aim.length_expansion import LengthExpansion
+from isoembed.aim.nearby_realizations import nearby_realizations, predicted_motions, softest_motions
 from isoembed.gallery import Bean, Ergosphere, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.alignment import distance
@@ -44,6 +45,18 @@ def test_a_search_ends_at_the_first_step_that_does_not_halve_the_residual():
     system = LengthSystem(system.triangulation, work=recorder.work)
     assert len(nearby_realizations(system, x, lengths, recorder, residual_tolerance=1e-11)) == 1
     assert recorder.factorizations == 2  # for the softest motions, and of one step
+
+
+def test_no_motion_leads_to_the_same_realization():
+    # Within rounding of a realization, a root of the equations leads back to it: it hid the other one.
+    system, x, lengths = realization(*triangulate(Bean(), 400))
+    soft = softest_motions(LengthExpansion(system, x, lengths), 4)
+    near = x + 3e-10 * soft[0] / np.abs(soft[0]).max()
+    expansion = LengthExpansion(system, near, lengths)
+    assert np.abs(expansion.residuals).max() < 1e-11
+    motions = predicted_motions(expansion, soft, 0.03).motions
+    assert motions
+    assert min(np.linalg.norm(each, axis=1).max() for each in motions) > 1e-6
 
 
 def test_from_between_two_neighbors_one_is_found():

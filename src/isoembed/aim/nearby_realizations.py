@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isoembed.aim.acceptance import REALIZED, identical_within
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.quadratic_roots import quadratic_roots
 from isoembed.arrays import Floats
@@ -127,9 +128,10 @@ def predicted_motions(
     found = quadratic_roots(projection @ expansion.residuals, np.eye(len(scaled)), Q.transpose(2, 0, 1))
     motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
+    error = float(np.abs(expansion.residuals).max()) / unit
     # Mean edge lengths; shorter motions lead to the surface itself.
-    min_reach = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
-    selected = [motions[k] for k in np.argsort(reach) if min_reach < reach[k] < near * unit]
+    min_reach = identical_within(error) if error <= REALIZED else APART * max(error, 1e-9)
+    selected = [motions[k] for k in np.argsort(reach) if min_reach * unit < reach[k] < near * unit]
     return Predicted(selected, found.complete)
 
 
