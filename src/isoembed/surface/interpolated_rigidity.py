@@ -85,9 +85,8 @@ class InterpolatedRigidity:
     @cached_property
     def _solver(self) -> Solver:
         order = dissect(csr_array(self.pattern)).block_order(3)
-        return analyze(
-            kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order, work=self._work
-        )
+        blocks = kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="bsr")
+        return analyze(blocks.tocsr().T, order, work=self._work)  # symmetric
 
     @cached_property
     def _keys(self) -> Indices:

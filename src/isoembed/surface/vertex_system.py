@@ -78,7 +78,8 @@ class VertexSystem:
         pairs = csr_array(graph - eye_array(n))
         pairs.eliminate_zeros()
         order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order, work=work)
+        blocks = kron(graph, np.ones((3, 3)), format="bsr")
+        self._solver = analyze(blocks.tocsr().T, order, work=work)  # symmetric
         pattern = self._solver.pattern
         column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
         self._keys = column * (3 * n) + pattern.indices
