@@ -35,6 +35,7 @@ SMALLEST = {
     "relativity": "--only degree",
     "series": "--count 16 --vertices 40",
     "shallow_caps": "--count 1",
+    "sharp_edges": "--bodies box --blunders 50",
     "sheets": "--count 1 --sizes 60 120",
     "smooth_space_forms": "--only bodies --bodies 1",
     "space_forms": "--seeds 1 --sizes 60",

@@ -7,6 +7,7 @@ import pytest
 
 import discs
 import isoembed
+import sharp_bodies
 import solids
 import zoo
 from isoembed import (
@@ -425,3 +426,50 @@ def test_sharp_edges_are_not_folded(body, error):
     found = embed(metric.with_lengths(lengths), length_errors=sigma)
     assert found.converged
     assert found.distance(vertices) < 25 * error
+
+
+def measured(name, seed, error):
+    """A body with sharp edges, its true vertices, and its metric with errors of the lengths."""
+    vertices, faces = sharp_bodies.BODIES[name](seed)
+    exact = PolyhedralMetric.from_mesh(vertices @ zoo.rotation(seed), faces)
+    noise = np.random.default_rng([seed, 5]).standard_normal(len(exact.lengths))
+    sigma = error * exact.mean_length
+    return vertices, exact.with_lengths(exact.lengths + sigma * noise), sigma
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "edge", "blunder"),
+    [
+        pytest.param("half ball", 245, 229, -35, marks=pytest.mark.slow),
+        pytest.param("cylinder", 350, 168, -50, marks=pytest.mark.slow),
+        ("prism 3", 140, 22, -20),
+        ("pyramid 4", 140, 255, -20),
+        pytest.param("lens 0.5", 140, 329, -20, marks=pytest.mark.slow),
+    ],
+)
+def test_a_wrong_length_of_a_body_with_sharp_edges_is_named(name, seed, edge, blunder):
+    """Fits without it agree with all others; before, others that followed it were returned."""
+    _, metric, sigma = measured(name, seed, 1e-3)
+    lengths = metric.lengths.copy()
+    lengths[edge] += blunder * sigma
+    with pytest.raises(NotEmbedded, match=rf": edge {edge} .*with which all other lengths agree"):
+        embed(metric.with_lengths(lengths), length_errors=sigma)
+
+
+@pytest.mark.parametrize("error", [1e-4, 1e-3])
+def test_a_rod_with_diagonals_at_random_is_not_folded(error):
+    vertices, metric, sigma = measured("rod 1 x 1 x 8", 1, error)
+    found = embed(metric, length_errors=sigma)
+    assert found.converged
+    assert found.volume == pytest.approx(8, rel=0.01)
+    assert found.distance(vertices) < 10 * sigma
+
+
+@pytest.mark.slow
+def test_a_cone_is_not_folded():
+    """Edges between rings of different numbers of vertices are dents, far beyond the errors."""
+    vertices, metric, sigma = measured("cone 0.5", 0, 1e-4)
+    assert metric.deficits.min() < -0.01
+    found = embed(metric, length_errors=sigma)
+    assert found.converged
+    assert found.distance(vertices) < 0.05 * metric.mean_length

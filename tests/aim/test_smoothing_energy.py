@@ -6,6 +6,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import isoembed
+import sharp_bodies
 import smooth_bodies
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.best_fit import looks_noisy
@@ -15,6 +16,7 @@ from isoembed.embedding.fitted import FittedSurface
 from isoembed.gallery import Bean, CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.alignment import distance
+from isoembed.surface.piecewise_smoothness import creases, piecewise_fit_residuals
 from isoembed.surface.projected import Projected
 
 
@@ -121,3 +123,17 @@ def test_smoothing_is_not_taken_for_a_blunder():
     found = isoembed.embed(metric, length_errors=1e-3 * exact.mean_length)
     assert found.converged
     assert distance(found.vertices, vertices) < 0.2 * exact.mean_length
+
+
+@pytest.mark.parametrize("bulge", [0.02, 0.1])
+def test_a_bulge_that_the_rim_of_a_flat_lid_allows_does_not_stop_the_fit(bulge):
+    """A paraboloid that vanishes on a circle changes no length to first order, and is smooth."""
+    true, faces = sharp_bodies.cylinder(1.2, 0.33, 0)
+    metric = PolyhedralMetric.from_mesh(true, faces)
+    vertices, lid = true.copy(), np.isclose(true[:, 2], 1.2)
+    vertices[lid, 2] += bulge * (1 - np.sum(true[lid, :2] ** 2, axis=1))
+    crease = next(creases(metric.triangulation, true))
+    residuals = piecewise_fit_residuals(metric.triangulation, crease, vertices, degree=2)
+    energy, mu = SmoothingEnergy(metric, vertices, None, residuals), 10.0 * metric.mean_length**2
+    found = energy.minimized(vertices, metric.lengths, mu, 0.01, 8, smooth_bodies.recorder())
+    assert energy.value(found, metric.lengths, mu) < 0.5 * energy.value(vertices, metric.lengths, mu)

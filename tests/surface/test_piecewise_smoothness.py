@@ -1,6 +1,7 @@
 import numpy as np
 
 import discs
+import sharp_bodies
 import zoo
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
@@ -39,6 +40,14 @@ def test_the_edges_of_a_cube_are_creases_of_all_thresholds():
     t = Triangulation(faces)
     [edges] = creases(t, np.asarray(vertices, dtype=float))
     assert edges.sum() == 12
+
+
+def test_a_smooth_piece_beside_a_flat_one_is_not_shattered():
+    """All bends of a dome are large, compared to those of its floor."""
+    vertices, faces = sharp_bodies.half_ball(0.27, 0)
+    [rim] = creases(Triangulation(faces), vertices)
+    assert rim.sum() == 23
+    assert np.abs(vertices[Triangulation(faces).edges[rim], 2]).max() < 1e-12
 
 
 def test_each_piece_is_smooth_by_itself():

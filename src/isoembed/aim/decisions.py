@@ -117,7 +117,7 @@ class SmootherWithinErrors(Decision):
     """Smooth fit to lengths with errors, or the exact surface if it is better.
 
     The exact surface is better if it `is_preferred`, or if the errors are too small for a fit.  A rougher one
-    would follow blunders.
+    would follow blunders, and so would any if the fit agrees with all lengths but those it names.
     """
 
     key = "smoother within errors"
@@ -130,6 +130,8 @@ class SmootherWithinErrors(Decision):
         found, exact = measured_candidate(state.measured, pipeline), answer
         if not exact.converged:
             return found
+        if found._suspects and found._others_agree:
+            return found._with_others([exact])
         if is_preferred(exact, found) or (not found.converged and has_small_errors(pipeline.metric)):
             found = replace(
                 found,

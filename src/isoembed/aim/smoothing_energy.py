@@ -12,6 +12,7 @@ them the quadratic model of a step is nearly exact, and few steps lead to the mi
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,8 @@ PATIENCE = 4  # iterations before extrapolating their number
 NEAR = 0.035  # largest ratio of mu to that of reused factors, over the same root
 FORETOLD = 1e-4  # relative deviation of the energy from its quadratic model at the last step
 DOWNHILL = LineSearch(0.0, 1 / 128)  # fractions of 1 / mu, which shortens soft motions most
+DAMPING = 1e-5  # where R leaves soft modes, such as paraboloids that vanish on a circle
+DAMPED = DOWNHILL.shortest / 1024  # of half that damping to 1000 times as much
 
 
 class Point(NamedTuple):
@@ -102,22 +105,32 @@ class SmoothingEnergy(RegularizedEnergy):
         residuals: csr_array | None = None,
     ) -> None:
         super().__init__(metric, vertices, work)
+        self._shortest = DOWNHILL.shortest
         if residuals is not None:
             self._regularize_by(residuals)
+            self._shortest = DAMPED
         self._kept = KeptFactors(self._newton_system)
 
     def solver(
         self, vertices: Floats, lengths: Floats, mu: float, w: float, tensions: Floats | float = 0.0
     ) -> Callable[[Floats], Floats]:
         """See `RegularizedEnergy.solver`; w is 0, and no edge has a tension."""
-        return self._solver(vertices, lengths, mu, SOLVED)
+        return self._solver(vertices, lengths, mu, SOLVED, 0.0)
 
     def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
         """See `RegularizedEnergy.solved`."""
-        return self._solver(vertices, lengths, mu, STEPPED)(gradient)
+        return self._solver(vertices, lengths, mu, STEPPED, 0.0)(gradient)
+
+    def _shortened(
+        self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, share: float
+    ) -> Floats:
+        """A step that is shortened by dividing mu by a share, or by damping if that has not sufficed."""
+        if share >= DOWNHILL.shortest:
+            return self._solver(vertices, lengths, mu / share, STEPPED, 0.0)(gradient)
+        return self._solver(vertices, lengths, mu, STEPPED, DAMPING * DOWNHILL.shortest / share)(gradient)
 
     def _solver(
-        self, vertices: Floats, lengths: Floats, mu: float, tolerance: float
+        self, vertices: Floats, lengths: Floats, mu: float, tolerance: float, damping: float
     ) -> Callable[[Floats], Floats]:
         surface = Projected.of(self.space, vertices)
         rows, fixed = self._rows(vertices, lengths), surface.without_isometries()
@@ -126,7 +139,7 @@ class SmoothingEnergy(RegularizedEnergy):
         def product(z: Floats) -> Floats:
             stretch = np.einsum("ij,ij->i", rows, z[a] - z[b])
             pull = surface.motion(mu * self.roughness(surface.motion(z), 0.0))
-            forces = self.triangulation.incidence @ (rows * stretch[:, None])
+            forces = self.triangulation.incidence @ (rows * stretch[:, None]) + damping * z
             return fixed((forces + pull).ravel()).reshape(-1, 3)
 
         def solve(gradient: Floats) -> Floats:
@@ -174,7 +187,7 @@ class SmoothingEnergy(RegularizedEnergy):
             before = value(p)
 
             def at(fraction: float) -> Point:
-                d = self.solved(p.x, lengths, gradient, mu / fraction, 0.0)
+                d = self._shortened(p.x, lengths, gradient, mu, fraction)
                 whole = fraction == 1.0
                 return Point(p.x - d, before - float(np.vdot(gradient, d)) if whole else np.inf)
 
@@ -186,7 +199,7 @@ class SmoothingEnergy(RegularizedEnergy):
         return descend(
             Point(vertices),
             step,
-            DOWNHILL,
+            replace(DOWNHILL, shortest=self._shortest),
             value=value,
             converged=converged,
             max_iterations=max_iterations,

@@ -201,6 +201,12 @@ class MeasuredSurface(Embedding):
         return left_out[:SUSPECTS] or large[:1]
 
     @property
+    def _others_agree(self) -> bool:
+        """Whether all lengths agree but those that are suspected, by both tests."""
+        others = np.delete(self._standardized, self._suspects)
+        return bool(others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit)
+
+    @property
     def _doubtful(self) -> int | None:
         """The edge whose residual stands out of the others of a surface that has converged, if one does.
 
@@ -273,13 +279,12 @@ class MeasuredSurface(Embedding):
         if not suspects:
             return ""
         named = ", ".join(self._named(e, in_percent=in_percent) for e in suspects)
-        others = np.delete(self._standardized, suspects)
-        agree = others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit
+        agree = ", with which all other lengths agree" if self._others_agree else ""
         without = all(map(self._is_left_out, suspects))
         surface = "a smooth surface fitted without them" if without else "the nearest smooth surface"
         return (
             f"check these lengths first, and how much longer they are on {surface}: {named}"
-            f"{', with which all other lengths agree' if agree else ''}{self._or_instead(suspects)}"
+            f"{agree}{self._or_instead(suspects)}"
         )
 
     def _sentence(self) -> str:

@@ -149,7 +149,7 @@ def repaired(
             return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
         H = deficit_laplacian(current)
         try:
-            u = _minimal_factors(H, delta - H @ u, rounding / 2, flat)
+            u = complementary_factors(H, delta - H @ u, rounding / 2, flat)
             result = _rescaled(metric, u)
         except (SingularMatrix, InvalidMetric):
             break
@@ -168,7 +168,7 @@ def small_by_far(deficits: Floats, noise: float) -> Mask:
     return within
 
 
-def _minimal_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
+def complementary_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
     """Find ``u >= 0`` with ``H u + delta >= -slack``, and ``H u + delta = 0`` where u is not zero; (V,).
 
     At vertices to be flattened, u may have either sign, and ``H u + delta`` is zero.  By block principal

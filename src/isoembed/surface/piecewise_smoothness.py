@@ -23,15 +23,16 @@ CONTRAST = 6.0
 def creases(triangulation: Triangulation, vertices: Floats) -> Iterator[Mask]:
     """Yield masks (E,) of creases of a closed surface, edges between its smooth pieces, sharpest first.
 
-    The bends of all edges are split in two classes, and then the smaller ones again.  Sharp edges within a
-    piece are no creases.
+    The bends of all edges are split in two classes, and then the smaller ones again, unless that leaves less
+    than half of the vertices off creases: then a smooth piece is split from a flat one.  Sharp edges within
+    a piece are no creases.
 
     References
     ----------
     Otsu, A threshold selection method from gray-level histograms, IEEE Trans. Syst. Man Cybern. 9 (1979).
     """
     bends = np.abs(dihedral_angles(triangulation, vertices))
-    gentle = np.sort(bends)
+    gentle, least = np.sort(bends), 0.0
     while len(gentle) > 1:
         count, total = np.arange(1, len(gentle)), np.cumsum(gentle)[:-1]
         low, high = total / count, (gentle.sum() - total) / (len(gentle) - count)
@@ -41,8 +42,13 @@ def creases(triangulation: Triangulation, vertices: Floats) -> Iterator[Mask]:
         gentle = gentle[: best + 1]
         piece = _pieces(triangulation, bends > gentle[-1])
         left, right = piece[triangulation.edge_halfedges // 3].T
-        if (left != right).any():
-            yield left != right
+        crease = left != right
+        off = triangulation.n_vertices - len(np.unique(triangulation.edges[crease]))
+        if off < least:
+            return
+        if crease.any():
+            least = off / 2
+            yield crease
 
 
 def piecewise_fit_residuals(
