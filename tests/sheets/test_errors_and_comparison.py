@@ -12,7 +12,6 @@ from isoembed import InvalidParameter, PolyhedralMetric, Sensitivity, SheetEmbed
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.boundary_condition import with_boundary_condition
-from isoembed.sheets.fitted_curvature import fitted_mean_curvature
 from isoembed.surface.curvature import integrated_mean_curvature
 from isoembed.surface.derivatives import dihedral_rates, integral_gradients
 from isoembed.surface.deviation import IntegralDeviation
@@ -106,7 +105,7 @@ def test_of_one_wrong_length_the_deviation_is_the_change(name):
         found = embed(METRIC.with_lengths(lengths), boundary=condition, tolerance=tolerance)
         changed.append(found.vertices)
         volumes.append(np.nan if name == "free" else found.volume)
-        curved.append(fitted_mean_curvature(fits, t.faces, found.vertices))
+        curved.append(fits.mean_curvature(found.vertices))
         bent.append(fits.areas @ curved[-1])
     rates = (integrals(t, changed[0]) - integrals(t, changed[1])) / (2 * h)
     found = Sensitivity(surface).integral_deviation(errors)

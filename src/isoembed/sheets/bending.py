@@ -16,6 +16,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.metric.curvature import face_areas
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.charts import Charts
+from isoembed.surface.measures import vertex_normals
 
 CUBIC = 11  # minimum number of neighbors for cubic fits at interior vertices
 STABILIZER = 0.1  # weight of the fit residuals in the form, controlling modes without second derivatives
@@ -94,6 +95,11 @@ class BendingEnergy:
     def curvature_vectors(self, vertices: Floats) -> Floats:
         """Mean curvature vectors ``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
         return np.asarray(self.curvature_map @ vertices)
+
+    def mean_curvature(self, vertices: Floats) -> Floats:
+        """Mean curvature at the vertices, (V,): positive where bent inward."""
+        normals = vertex_normals(self.metric.faces, vertices)
+        return -np.einsum("vi,vi->v", self.curvature_vectors(vertices), normals)
 
     @cached_property
     def curvature_map(self) -> csr_array:

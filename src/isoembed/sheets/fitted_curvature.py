@@ -1,4 +1,4 @@
-"""Mean curvature of local fits, its integral, and their derivatives with respect to the vertices.
+"""Derivatives of the mean curvature of local fits, and of its integral, with respect to the vertices.
 
 With the curvature vectors c, linear in the vertices x, and the normals n of the surface, ``H = -c . n``.  The
 fits depend on the lengths, too; at fixed vertices this changes deviations of H on round caps by about 1 %.
@@ -14,13 +14,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.surface.derivatives import normal_rates
-from isoembed.surface.measures import face_normals, vertex_normals
-
-
-def fitted_mean_curvature(energy: BendingEnergy, faces: Indices, vertices: Floats) -> Floats:
-    """Mean curvature at the vertices, (V,): positive where bent inward."""
-    normals = vertex_normals(faces, vertices)
-    return -np.einsum("vi,vi->v", energy.curvature_vectors(vertices), normals)
+from isoembed.surface.measures import face_normals
 
 
 def _at_vertices(faces: Indices, values: Floats) -> Floats:

@@ -15,13 +15,13 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.sheets.fitted_curvature import FittedCurvatureRates, fitted_mean_curvature
 from isoembed.surface.measures import COPLANAR, above_boundary, cone_sum
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
     from isoembed.sheets.derivatives import SheetDerivatives
+    from isoembed.sheets.fitted_curvature import FittedCurvatureRates
 
 BALANCED = 1e-6  # largest imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; about 1 for a radius of curvature equal to the width
@@ -64,7 +64,7 @@ class SheetSurface(Surface):
 
     @cached_property
     def _normalized_mean_curvature(self) -> Floats:
-        return frozen(fitted_mean_curvature(self._energy, self.faces, self._normalized))
+        return frozen(self._energy.mean_curvature(self._normalized))
 
     @cached_property
     def _above_boundary(self) -> Floats | None:
@@ -273,6 +273,8 @@ class SheetEmbedding(Embedding):
     @cached_property
     def _curvature_rates(self) -> FittedCurvatureRates:
         """Derivatives of the fitted mean curvature."""
+        from isoembed.sheets.fitted_curvature import FittedCurvatureRates
+
         metric, x = self.metric.normalized, self.vertices / self.metric.unit
         return FittedCurvatureRates(metric.triangulation, x, BendingEnergy(metric))
 
