@@ -57,6 +57,24 @@ def test_edges_are_arcs_that_meet_infinity_at_right_angles(cube):
         np.testing.assert_allclose(2 * arc @ c, (arc**2).sum(axis=1) + 4, rtol=1e-12)
 
 
+def test_the_pose_does_not_depend_on_diagonals(cube):
+    """Which diagonals divide the faces of a symmetric body is a matter of rounding."""
+    x, quads = cube.vertices, np.array(cube.polygons)
+    poses = []
+    for turned in range(3):  # one, two and three faces with the other diagonal
+        quads = np.where(np.arange(6)[:, None] == turned, np.roll(quads, 1, axis=1), quads)
+        faces = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+        metric = PolyhedralMetric.from_mesh(x, faces, curvature=-1.0)
+        drawn = Drawn.of(Polyhedron(metric, x, method="exact", tolerance=1e-9))
+        assert drawn.pieces.cuts > 2
+        poses.append(drawn.pose(x))
+        np.testing.assert_allclose(poses[-1].axes, poses[0].axes, atol=1e-12)
+        placed = poses[-1].put(drawn.put(x))
+        assert np.linalg.norm(placed, axis=1).max() == pytest.approx(1.0)
+        view = View.of(drawn.put(x), drawn.faces)
+        assert np.abs(view.pose.axes - poses[0].axes).max() > 1e-3  # of all pieces
+
+
 def test_large_faces_are_cut_and_small_ones_are_not(cube):
     assert Drawn.of(solid(-1.0, np.pi / 2 - 1e-4)).pieces.cuts == 0
     assert Drawn.of(cube)._bend <= MAX_BEND

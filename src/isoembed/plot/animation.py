@@ -20,7 +20,7 @@ from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
-from isoembed.plot.view import Pose, View, camera
+from isoembed.plot.view import View, camera
 
 IMAGES_PER_SECOND = 10  # of a film file
 LONGEST = 6.0  # seconds from the first surface to the final one
@@ -131,7 +131,7 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     shown = mean_curvature(embedding)
     scale = color_scale(*shown.bounds)
     drawn = Drawn.of(embedding)
-    pose = Pose.of(drawn.put(embedding.vertices), embedding.faces)
+    pose = drawn.pose(embedding.vertices)
     placed = [pose.put(drawn.put(image.vertices)) for image in images]
     size = max(float(np.linalg.norm(points, axis=1).max()) for points in placed)
     ups = [points @ camera(image.turn)[1] for points, image in zip(placed, images, strict=True)]

@@ -17,6 +17,7 @@ from isoembed.io.format import Polygons
 from isoembed.io.title_line import WRITTEN
 from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.pieces import Pieces, middles
+from isoembed.plot.view import Pose
 from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
 from isoembed.surface.segments import Segments
@@ -78,6 +79,13 @@ class Drawn:
     def put(self, vertices: Floats) -> Floats:
         """Model coordinates of the vertices of the drawing, for given vertices (V, 3) of the surface."""
         return to_model(self.space, self.points(vertices), WRITTEN)
+
+    def pose(self, vertices: Floats) -> Pose:
+        """Pose of the drawing by the given vertices (V, 3): pieces depend on the diagonals of polygons."""
+        placed = self.put(vertices)
+        pose = Pose.of(placed[: len(vertices)], self.surface.faces)
+        reach = float(np.linalg.norm(pose.put(placed), axis=1).max())
+        return replace(pose, size=pose.size * (reach or 1.0))
 
     def face_values(self, shown: Quantity) -> Floats:
         """Values of the drawn faces; the pieces of a face share its value."""

@@ -254,7 +254,7 @@ def _pose(drawn: Drawn, frames: Sequence[Frame]) -> Pose:
     If a frame is much larger than the final surface, as a net is, the picture is scaled to the frame.
     """
     vertices = drawn.surface.vertices
-    pose = Pose.of(drawn.put(vertices), drawn.surface.faces)
+    pose = drawn.pose(vertices)
     if drawn.space.is_euclidean:
         reach = max((np.linalg.norm(pose.put(one.vertices), axis=1).max() for one in frames), default=1.0)
         return pose if reach < LARGER else replace(pose, size=pose.size * float(reach))

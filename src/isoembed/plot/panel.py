@@ -11,6 +11,7 @@ from isoembed.arrays import Floats
 from isoembed.io.format import Polygons
 from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.drawn import Drawn
+from isoembed.plot.view import Pose
 from isoembed.reprs import short_repr
 from isoembed.surface.segments import Segments
 
@@ -38,6 +39,8 @@ class Panel:
         Boundary edges of the surface.
     infinity : float
         Radius of the sphere at infinity about the origin.
+    pose : Pose or None
+        Pose in a picture; by default that of the vertices.
     """
 
     vertices: Floats
@@ -49,6 +52,7 @@ class Panel:
     outlines: Segments | None = None
     boundary: Segments = field(default_factory=Segments.none)
     infinity: float = np.inf
+    pose: Pose | None = None
 
     @classmethod
     def of(cls, drawn: Drawn, vertices: Floats, shown: Quantity) -> Panel:
@@ -64,6 +68,7 @@ class Panel:
             outlines=drawn.outlines(placed),
             boundary=drawn.boundary(placed),
             infinity=drawn.infinity,
+            pose=drawn.pose(vertices) if cut else None,
         )
 
     @property

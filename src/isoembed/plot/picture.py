@@ -143,7 +143,7 @@ def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
     colors : matplotlib.cm.ScalarMappable
         Map from values to colors: a `color_scale`, or the caller's own.
     """
-    view = View.of(panel.vertices, panel.faces)
+    view = View.of(panel.vertices, panel.faces, panel.pose)
     draw_infinity(axes, view, panel.infinity)
     draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines, boundary=panel.boundary)
 
@@ -211,7 +211,7 @@ def _row(
 
     low, high = shown.bounds if bounds is None else bounds
     scale = color_scale(low, high, shown.scale)
-    views = [View.of(panel.vertices, panel.faces) for panel in surfaces]
+    views = [View.of(panel.vertices, panel.faces, panel.pose) for panel in surfaces]
     windows = np.array([window(view, panel.infinity) for panel, view in zip(surfaces, views, strict=True)])
     (left, bottom), (right, top) = windows[:, 0].min(axis=0), windows[:, 1].max(axis=0)
     if len(surfaces) > 1:
