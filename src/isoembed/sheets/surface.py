@@ -275,8 +275,9 @@ class SheetEmbedding(Embedding):
         """Derivatives of the fitted mean curvature."""
         from isoembed.sheets.fitted_curvature import FittedCurvatureRates
 
-        metric, x = self.metric.normalized, self.vertices / self.metric.unit
-        return FittedCurvatureRates(metric.triangulation, x, BendingEnergy(metric))
+        surface = self.surface
+        assert isinstance(surface, SheetSurface)
+        return FittedCurvatureRates(self.triangulation, surface._normalized, surface._energy)
 
     @property
     def _reported(self) -> Mapping[str, Any]:
