@@ -23,6 +23,9 @@ STABLE = 0x030B0000  # Python 3.11, the first whose limited interface has buffer
 
 # Sums and products are rounded as they are written, on all machines.
 FLAGS = ["/O2", "/fp:precise"] if os.name == "nt" else ["-O3", "-ffp-contract=off", "-g0"]
+# But for sums of many products, which take vector instructions in any order only.
+ANY_ORDER = [] if os.name == "nt" else ["-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"]
+SUMS = {"isoembed.linalg.fronts"}
 MACROS = [("CYTHON_CCOMPLEX", "0")]  # products of complex numbers without a search for infinities
 
 
@@ -30,15 +33,16 @@ def compiled_modules() -> list[Extension]:
     """Modules to compile."""
     macros = MACROS if FREE_THREADED else [*MACROS, ("Py_LIMITED_API", hex(STABLE))]
     sources = [path for path in sorted(SOURCES.rglob("*.py")) if path.read_bytes().startswith(b"# cython:")]
+    names = [".".join(path.relative_to(SOURCES).with_suffix("").parts) for path in sources]
     return [
         Extension(
-            ".".join(path.relative_to(SOURCES).with_suffix("").parts),
+            name,
             [path.as_posix()],
             define_macros=macros,
-            extra_compile_args=FLAGS,
+            extra_compile_args=FLAGS + ANY_ORDER if name in SUMS else FLAGS,
             py_limited_api=not FREE_THREADED,
         )
-        for path in sources
+        for name, path in zip(names, sources, strict=True)
     ]
 
 

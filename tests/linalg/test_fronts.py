@@ -26,7 +26,7 @@ def eliminated(matrix, k, least, precision=np.float64):
     """The front after k columns are eliminated, and whether that went well."""
     m = len(matrix)
     front = triangle(matrix).astype(precision)
-    done = eliminate_columns(front, k, m, least, np.empty(room_to_multiply(m), dtype=precision))
+    done = eliminate_columns(front, k, m, least, np.empty(room_to_multiply(k, m), dtype=precision))
     return front, done
 
 

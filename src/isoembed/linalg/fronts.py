@@ -12,6 +12,7 @@ import cython
 import numpy as np
 from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 from cython.cimports.isoembed.linalg.blas import multiply_transposed
+from cython.cimports.isoembed.linalg.prefetch import prefetch
 
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
@@ -20,12 +21,27 @@ Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts
 BLOCK = cython.declare(cython.longlong, 256)
 TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
 # from so many columns on, and for so many rows below, a library multiplies faster
+AHEAD = cython.declare(cython.longlong, 2048)  # entries of L from its use on; larger factors wait for memory
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
 
-def room_to_multiply(m: Int):
-    """Entries of the array that `eliminate_columns` works in, for fronts of up to m rows."""
-    return (2 * BLOCK + TILE) * m
+@cython.ccall
+@cython.nogil
+@cython.exceptval(check=False)
+def room_to_multiply(k: Int, m: Int) -> Int:
+    """Entries of the array in which `eliminate_columns` multiplies matrices, for k of m columns."""
+    return 0 if k < NARROW else (2 * min(k, BLOCK) + TILE) * m
+
+
+def largest_room(nodes: object, first: Int, last: Int):
+    """Entries of the array in which `eliminate` multiplies matrices, for supernodes between these."""
+    starts: ConstInt[::1] = nodes.starts
+    ends: ConstInt[::1] = nodes.ends
+    size: Int = 0
+    for s in range(first, last):
+        k = starts[s + 1] - starts[s]
+        size = max(size, room_to_multiply(k, k + ends[s + 1] - ends[s]))
+    return size
 
 
 @cython.ccall
@@ -156,6 +172,7 @@ def eliminate(
     data: ConstReal[::1],
     L: Stored[::1],
     stack: Number[::1],
+    room: Number[::1],
     least: Real,
 ):
     """Eliminate the supernodes of a task, and fill their part of L.
@@ -171,6 +188,8 @@ def eliminate(
     stack : ndarray
         Room for the fronts that wait. It begins with those that the task's children pass on, one after the
         other, and in the end with the one that the task passes on.
+    room : ndarray
+        Room for products of matrices.
     least : float
 
     Returns
@@ -190,7 +209,6 @@ def eliminate(
     last: Int = task.last
     place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
     places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
-    room: Number[::1] = np.empty(room_to_multiply(nodes.widest), dtype=np.asarray(stack).dtype)
     waiting: Int[::1] = np.empty(last - first + len(task.roots), dtype=np.int64)  # in the order of the stack
     front: Number[::1]
     waits: Int = 0
@@ -248,7 +266,7 @@ def eliminate(
     return negative
 
 
-def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, ::1], tails: object):
+def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Stored[:, ::1], tails: object):
     """Solve with D L for the columns of a task, in every row of x, (columns, n).
 
     Parameters
@@ -272,11 +290,11 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, :
     rows: ConstInt32[::1] = nodes.rows
     first: Int = task.first
     last: Int = task.last
-    v: Real[::1] = np.empty(nodes.widest)
+    v: Stored[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
     below_all: Int = ends[last] - ends[last - 1]
-    tail: Real[:, ::1] = np.zeros((x.shape[0], below_all))
+    tail: Stored[:, ::1] = np.zeros((x.shape[0], below_all), dtype=np.asarray(x).dtype)
     place: Int[::1] = np.empty(x.shape[1], dtype=np.int64)  # in the tail, of its rows
-    passed: Real[:, ::1]
+    passed: Stored[:, ::1]
     child: Int
     s: Int
     end: Int = starts[last]
@@ -310,7 +328,7 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Real[:, :
     return np.asarray(tail)
 
 
-def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Real[:, ::1]):
+def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Stored[:, ::1]):
     """Solve with the transpose of L for the columns of a task, in every row of x: those below are known."""
     starts: ConstInt[::1] = nodes.starts
     offsets: ConstInt[::1] = nodes.offsets
@@ -318,7 +336,7 @@ def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Real[:, 
     rows: ConstInt32[::1] = nodes.rows
     first: Int = task.first
     last: Int = task.last
-    v: Real[::1] = np.empty(nodes.widest)
+    v: Stored[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
     s: Int
     with cython.nogil:
         for s in range(last - 1, first - 1, -1):
@@ -337,12 +355,13 @@ def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Real[:, 
 @cython.nogil
 @cython.exceptval(check=False)
 def _forward(
-    L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1], x: Real[:, ::1], row: Int, own: Int
+    L: Stored[::1], start: Int, k: Int, m: Int, v: Stored[::1], x: Stored[:, ::1], row: Int, own: Int
 ) -> cython.void:
     """Solve with D L for the first k of m numbers, and subtract from the others what these contribute."""
     for j in range(0, k - k % 4, 4):  # four columns at once: v is read and written once for them
         a, b = start + beginning(j, m), start + beginning(j + 1, m)
         c, d = start + beginning(j + 2, m), start + beginning(j + 3, m)
+        prefetch(L, a + AHEAD, a + AHEAD + 4 * (m - j))
         v0 = v[j]
         v1 = v[j + 1] - v0 * L[a + 1]
         v2 = v[j + 2] - v0 * L[a + 2] - v1 * L[b + 1]
@@ -363,21 +382,22 @@ def _forward(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1]) -> cython.void:
+def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Stored[::1]) -> cython.void:
     """Solve with the transpose of L for the first k of m numbers, the others being known."""
     for j in range(k - 1, k - k % 4 - 1, -1):
         a = start + beginning(j, m)
-        total: Real = 0.0
+        total: Stored = 0.0
         for i in range(1, m - j):
             total += v[j + i] * L[a + i]
         v[j] -= total
     for j in range(k - k % 4 - 4, -1, -4):
         a, b = start + beginning(j, m), start + beginning(j + 1, m)
         c, d = start + beginning(j + 2, m), start + beginning(j + 3, m)
-        t0: Real = 0.0
-        t1: Real = 0.0
-        t2: Real = 0.0
-        t3: Real = 0.0
+        prefetch(L, a - AHEAD, a - AHEAD + 4 * (m - j))
+        t0: Stored = 0.0
+        t1: Stored = 0.0
+        t2: Stored = 0.0
+        t3: Stored = 0.0
         for i in range(4, m - j):
             t0 += v[j + i] * L[a + i]
             t1 += v[j + i] * L[b + i - 1]

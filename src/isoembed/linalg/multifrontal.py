@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices32, Singles
-from isoembed.linalg.fronts import eliminate, room_to_multiply, substitute_backward, substitute_forward
+from isoembed.linalg.fronts import eliminate, substitute_backward, substitute_forward
 from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.supernodes import Supernodes
 from isoembed.linalg.tasks import TaskTree
@@ -48,7 +48,7 @@ class Fronts:
         """Bytes that the next factors will take."""
         nodes, tree = self.nodes, self.tree
         threads = min(thread_count(), len(tree.tasks))
-        work = room_to_multiply(nodes.widest) + int(nodes.starts[-1])
+        work = max(tree.rooms) + int(nodes.starts[-1])
         return 8 * (nodes.entries + tree.room + (threads - 1) * max(tree.sizes) + threads * work)
 
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
@@ -68,19 +68,24 @@ class Fronts:
         least = 0.0 if self.definite else -np.inf
         passed: dict[int, Floats | Singles] = {}
         negative = [0] * len(tree.tasks)
+        spare: list[Floats | Singles] = []  # arrays for the next tasks: new ones would be cleared first
 
         def run(t: int) -> None:
-            stack = np.empty(tree.sizes[t], dtype=precision)
+            work, size = _one_of(spare), tree.sizes[t]
+            if work is None or work.size < size + tree.rooms[t]:
+                work = np.empty(size + tree.rooms[t], dtype=precision)
+            stack, room = work[:size], work[size:]
             if tree.children[t]:
                 begin = sum(map(tree.passed, tree.tasks[t].roots))
                 np.concatenate([passed.pop(child) for child in tree.children[t]], out=stack[:begin])
             task = tree.tasks[t]
-            negative[t] = eliminate(self, task, data, L, stack, least)
+            negative[t] = eliminate(self, task, data, L, stack, room, least)
             if negative[t] < 0:
                 if self.definite:
                     raise SingularMatrix("the matrix is not positive definite")
                 raise SingularMatrix("the matrix has no factors L D L^T in this order")
             passed[t] = stack[: tree.passed(task.last - 1)].copy()
+            spare.append(work)
 
         tree.upward.run(run)
         return FrontalFactors(tree, L, sum(negative))
@@ -95,10 +100,17 @@ class FrontalFactors:
     negative_pivots: int
 
     def solve(self, b: Floats) -> Floats:
-        """Solve for b (n,) or (n, k)."""
-        x = np.array(b.T, order="C", ndmin=2)
+        """Solve for b (n,) or (n, k), in the precision of the factors."""
+        if self._L.dtype == np.float64:
+            return self._substituted(b)
+        size = np.abs(b).max(axis=0, initial=0.0)  # numbers of single precision have a small range
+        scale = np.ldexp(1.0, np.frexp(size)[1].clip(-1000, 1000))
+        return np.asarray(self._substituted(b / scale).astype(np.float64) * scale)
+
+    def _substituted(self, b: Floats) -> Floats:
         tree, L = self._tree, self._L
-        tails: dict[int, Floats] = {}
+        x = np.array(b.T, dtype=L.dtype, order="C", ndmin=2)
+        tails: dict[int, Floats | Singles] = {}
 
         def forward(t: int) -> None:
             passed = [tails.pop(child) for child in tree.children[t]]
@@ -109,4 +121,12 @@ class FrontalFactors:
 
         tree.upward.run(forward)
         tree.downward.run(backward)
-        return x.reshape(b.T.shape).T
+        return np.asarray(x.reshape(b.T.shape).T)
+
+
+def _one_of(arrays: list[Floats | Singles]) -> Floats | Singles | None:
+    """Take one out of a list that other threads change, too."""
+    try:
+        return arrays.pop()
+    except IndexError:
+        return None

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.linalg.fronts import largest_room
 from isoembed.linalg.supernodes import Supernodes, stack_size
 from isoembed.threads import TaskGraph
 
@@ -93,6 +94,11 @@ class TaskTree:
             stack_size(self.nodes, task.first, task.last, sum(map(self.passed, task.roots)))
             for task in self.tasks
         )
+
+    @cached_property
+    def rooms(self) -> tuple[int, ...]:
+        """Entries of the room of each task for products of matrices."""
+        return tuple(largest_room(self.nodes, task.first, task.last) for task in self.tasks)
 
     def passed(self, s: int) -> int:
         """Entries that a supernode passes on to its parent."""
