@@ -25,7 +25,7 @@ STABLE = 0x030B0000  # Python 3.11, the first whose limited interface has buffer
 FLAGS = ["/O2", "/fp:precise"] if os.name == "nt" else ["-O3", "-ffp-contract=off", "-g0"]
 # But for sums of many products, which take vector instructions in any order only.
 ANY_ORDER = [] if os.name == "nt" else ["-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"]
-SUMS = {"isoembed.linalg.fronts"}
+SUMS = {"isoembed.linalg.fronts", "isoembed.surface.interpolation_loops"}
 MACROS = [("CYTHON_CCOMPLEX", "0")]  # products of complex numbers without a search for infinities
 
 

@@ -43,6 +43,10 @@ def test_factors_in_single_precision_precondition(monkeypatch, shift):
     single = solver.factor(matrix.data, single=True)
     assert 1e-9 < np.abs(single.solve(b, sweeps=0) - x).max() / np.abs(x).max() < 1e-5
     np.testing.assert_allclose(single.solve(b), x, rtol=0, atol=1e-11 * np.abs(x).max())
+    if shift:  # iterations that are preconditioned with these factors go on to full accuracy
+        halves = single.solve(b, sweeps=0) + single.solve(b[:, ::-1], sweeps=0)
+        both = single.solve(b + b[:, ::-1], sweeps=0)
+        np.testing.assert_allclose(both, halves, rtol=0, atol=1e-12 * np.abs(both).max())
     scales = np.array([2.0**-300, 2.0**300])  # beyond the range of single precision
     scaled = single.solve(b * scales, sweeps=0) / scales
     np.testing.assert_array_equal(scaled, single.solve(b, sweeps=0))

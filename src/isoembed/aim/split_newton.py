@@ -29,8 +29,8 @@ from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_re
 from isoembed.surface.smoothness import QuinticResiduals
 
 SOLVED = 5e-2  # largest relative residual of linear equations
+SOFT_SOLVED = 1e-2  # with quintics; after larger ones a few vertices may stay on a wrong side
 MAX_ITERATIONS = 30  # conjugate gradient iterations for smooth motions
-MANY = 60_000  # vertices; more need a smaller residual for soft motions
 
 
 class SplitNewton:
@@ -83,8 +83,7 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / damping + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        solved = 1e-3 if len(x) >= MANY else SOLVED
-        found = conjugate_gradients(product, precondition, gradient, solved, 70)
+        found = conjugate_gradients(product, precondition, gradient, SOFT_SOLVED, 70)
         return x - found.x
 
     def _smooth(self, forces: Floats) -> Floats:

@@ -103,7 +103,8 @@ class Solver:
             Its entries, both triangles, in the order of ``pattern.data``.
         single : bool
             Whether large factors are kept in single precision, which is enough for a preconditioner: solving
-            with them waits for memory.
+            with them waits for memory. Solutions of definite matrices without refinement have its rounding
+            errors, too.
 
         Returns
         -------

@@ -266,7 +266,7 @@ def eliminate(
     return negative
 
 
-def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Stored[:, ::1], tails: object):
+def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Number[:, ::1], tails: object):
     """Solve with D L for the columns of a task, in every row of x, (columns, n).
 
     Parameters
@@ -290,11 +290,11 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Stored[:,
     rows: ConstInt32[::1] = nodes.rows
     first: Int = task.first
     last: Int = task.last
-    v: Stored[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
+    v: Number[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
     below_all: Int = ends[last] - ends[last - 1]
-    tail: Stored[:, ::1] = np.zeros((x.shape[0], below_all), dtype=np.asarray(x).dtype)
+    tail: Number[:, ::1] = np.zeros((x.shape[0], below_all), dtype=np.asarray(x).dtype)
     place: Int[::1] = np.empty(x.shape[1], dtype=np.int64)  # in the tail, of its rows
-    passed: Stored[:, ::1]
+    passed: Number[:, ::1]
     child: Int
     s: Int
     end: Int = starts[last]
@@ -328,7 +328,7 @@ def substitute_forward(nodes: object, task: object, L: Stored[::1], x: Stored[:,
     return np.asarray(tail)
 
 
-def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Stored[:, ::1]):
+def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Number[:, ::1]):
     """Solve with the transpose of L for the columns of a task, in every row of x: those below are known."""
     starts: ConstInt[::1] = nodes.starts
     offsets: ConstInt[::1] = nodes.offsets
@@ -336,7 +336,7 @@ def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Stored[:
     rows: ConstInt32[::1] = nodes.rows
     first: Int = task.first
     last: Int = task.last
-    v: Stored[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
+    v: Number[::1] = np.empty(nodes.widest, dtype=np.asarray(x).dtype)
     s: Int
     with cython.nogil:
         for s in range(last - 1, first - 1, -1):
@@ -355,7 +355,7 @@ def substitute_backward(nodes: object, task: object, L: Stored[::1], x: Stored[:
 @cython.nogil
 @cython.exceptval(check=False)
 def _forward(
-    L: Stored[::1], start: Int, k: Int, m: Int, v: Stored[::1], x: Stored[:, ::1], row: Int, own: Int
+    L: Stored[::1], start: Int, k: Int, m: Int, v: Number[::1], x: Number[:, ::1], row: Int, own: Int
 ) -> cython.void:
     """Solve with D L for the first k of m numbers, and subtract from the others what these contribute."""
     for j in range(0, k - k % 4, 4):  # four columns at once: v is read and written once for them
@@ -382,11 +382,11 @@ def _forward(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Stored[::1]) -> cython.void:
+def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Number[::1]) -> cython.void:
     """Solve with the transpose of L for the first k of m numbers, the others being known."""
     for j in range(k - 1, k - k % 4 - 1, -1):
         a = start + beginning(j, m)
-        total: Stored = 0.0
+        total: Number = 0.0
         for i in range(1, m - j):
             total += v[j + i] * L[a + i]
         v[j] -= total
@@ -394,10 +394,10 @@ def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Stored[::1]) -> cython.
         a, b = start + beginning(j, m), start + beginning(j + 1, m)
         c, d = start + beginning(j + 2, m), start + beginning(j + 3, m)
         prefetch(L, a - AHEAD, a - AHEAD + 4 * (m - j))
-        t0: Stored = 0.0
-        t1: Stored = 0.0
-        t2: Stored = 0.0
-        t3: Stored = 0.0
+        t0: Number = 0.0
+        t1: Number = 0.0
+        t2: Number = 0.0
+        t3: Number = 0.0
         for i in range(4, m - j):
             t0 += v[j + i] * L[a + i]
             t1 += v[j + i] * L[b + i - 1]

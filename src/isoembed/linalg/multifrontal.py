@@ -9,6 +9,7 @@ Pivots are taken down the diagonal, in the order given.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,8 +55,8 @@ class Fronts:
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
         """Factorize the matrix with these entries, and keep the factors in single precision if asked to.
 
-        Without exchanges elimination in single precision is stable for definite matrices only: of others the
-        factors are rounded in the end.
+        Without exchanges single precision is stable for definite matrices only: the factors of others are
+        rounded in the end, and substituted in double precision.
 
         Raises
         ------
@@ -64,7 +65,7 @@ class Fronts:
         """
         count, tree = self.nodes.entries, self.tree
         L: Floats | Singles = np.empty(count, dtype=np.float32) if single else np.empty(count)
-        precision = L.dtype if self.definite else np.float64
+        precision = L.dtype if self.definite else np.dtype(np.float64)
         least = 0.0 if self.definite else -np.inf
         passed: dict[int, Floats | Singles] = {}
         negative = [0] * len(tree.tasks)
@@ -88,7 +89,7 @@ class Fronts:
             spare.append(work)
 
         tree.upward.run(run)
-        return FrontalFactors(tree, L, sum(negative))
+        return FrontalFactors(tree, L, precision, sum(negative))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +98,12 @@ class FrontalFactors:
 
     _tree: TaskTree
     _L: Floats | Singles
+    _precision: np.dtype[Any]  # of substitutions
     negative_pivots: int
 
     def solve(self, b: Floats) -> Floats:
-        """Solve for b (n,) or (n, k), in the precision of the factors."""
-        if self._L.dtype == np.float64:
+        """Solve for b (n,) or (n, k)."""
+        if self._precision == np.float64:
             return self._substituted(b)
         size = np.abs(b).max(axis=0, initial=0.0)  # numbers of single precision have a small range
         scale = np.ldexp(1.0, np.frexp(size)[1].clip(-1000, 1000))
@@ -109,7 +111,7 @@ class FrontalFactors:
 
     def _substituted(self, b: Floats) -> Floats:
         tree, L = self._tree, self._L
-        x = np.array(b.T, dtype=L.dtype, order="C", ndmin=2)
+        x = np.array(b.T, dtype=self._precision, order="C", ndmin=2)
         tails: dict[int, Floats | Singles] = {}
 
         def forward(t: int) -> None:

@@ -56,20 +56,23 @@ def multiply_cells(matrix: object, cells: object, values: ConstReal[:, ::1], pro
     weights: ConstReal[::1] = matrix.weights
     first: Int = cells.start
     last: Int = cells.stop
+    stencil: Real[:, ::1] = np.empty((3, _largest(indptr, first, last)))
     with cython.nogil:
         for cell in range(first, last):
-            at = offsets[cell]
-            for k in range(starts[cell], starts[cell + 1]):
+            begin, size, at = indptr[cell], indptr[cell + 1] - indptr[cell], offsets[cell]
+            for i in range(size):
+                for k in range(3):  # contiguous rows vectorize
+                    stencil[k, i] = values[indices[begin + i], k]
+            for p in range(starts[cell], starts[cell + 1]):
                 x: Real = 0.0
                 y: Real = 0.0
                 z: Real = 0.0
-                for p in range(indptr[cell], indptr[cell + 1]):
-                    vertex = indices[p]
-                    x += weights[at] * values[vertex, 0]
-                    y += weights[at] * values[vertex, 1]
-                    z += weights[at] * values[vertex, 2]
-                    at += 1
-                row = rows[k]
+                for i in range(size):
+                    x += weights[at + i] * stencil[0, i]
+                    y += weights[at + i] * stencil[1, i]
+                    z += weights[at + i] * stencil[2, i]
+                at += size
+                row = rows[p]
                 products[row, 0], products[row, 1], products[row, 2] = x, y, z
 
 
@@ -83,26 +86,35 @@ def add_transposed_cells(matrix: object, cells: object, forces: ConstReal[:, ::1
     weights: ConstReal[::1] = matrix.weights
     first: Int = cells.start
     last: Int = cells.stop
-    largest: Int = 0
-    for cell in range(first, last):
-        largest = max(largest, indptr[cell + 1] - indptr[cell])
-    sums: Real[:, ::1] = np.empty((3, largest))
+    sums: Real[:, ::1] = np.empty((3, _largest(indptr, first, last)))
     with cython.nogil:
         for cell in range(first, last):
             begin, size, at = indptr[cell], indptr[cell + 1] - indptr[cell], offsets[cell]
-            for k in range(3):  # contiguous rows vectorize
+            for k in range(3):
                 for i in range(size):
                     sums[k, i] = 0.0
-            for p in range(starts[cell], starts[cell + 1]):
-                row = rows[p]
+            end = starts[cell + 1]
+            for p in range(starts[cell], end, 2):  # two rows at once: the sums are read and written once
+                row, after = rows[p], rows[min(p + 1, end - 1)]
+                second = at + size if p + 1 < end else at
                 for k in range(3):
                     force = forces[row, k]
+                    other: Real = forces[after, k] if p + 1 < end else 0.0
                     for i in range(size):
-                        sums[k, i] += force * weights[at + i]
-                at += size
+                        sums[k, i] += force * weights[at + i] + other * weights[second + i]
+                at += 2 * size
             for i in range(size):
                 for k in range(3):
                     products[indices[begin + i], k] += sums[k, i]
+
+
+@cython.cfunc
+def _largest(indptr: ConstInt[::1], first: Int, last: Int) -> Int:
+    """Size of the largest of some stencils."""
+    size: Int = 0
+    for cell in range(first, last):
+        size = max(size, indptr[cell + 1] - indptr[cell])
+    return size
 
 
 def projected(
