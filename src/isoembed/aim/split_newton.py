@@ -30,6 +30,8 @@ from isoembed.surface.smoothness import QuinticResiduals
 
 SOLVED = 5e-2  # largest relative residual of linear equations
 SOFT_SOLVED = 1e-2  # with quintics; after larger ones a few vertices may stay on a wrong side
+SOFT_SOLVED_MANY = 1e-3  # for more vertices than:
+MANY = 60_000
 MAX_ITERATIONS = 30  # conjugate gradient iterations for smooth motions
 
 
@@ -83,7 +85,8 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / damping + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        found = conjugate_gradients(product, precondition, gradient, SOFT_SOLVED, 70)
+        solved = SOFT_SOLVED if len(x) < MANY else SOFT_SOLVED_MANY
+        found = conjugate_gradients(product, precondition, gradient, solved, 70)
         return x - found.x
 
     def _smooth(self, forces: Floats) -> Floats:

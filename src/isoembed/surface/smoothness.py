@@ -11,19 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from isoembed.arrays import Floats, Indices, Indices32, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Surroundings, edge_lengths_about, sums_at_ends
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.normal_fits import THREE_RINGS, TWO_RINGS
-from isoembed.surface.smoothness_loops import polar_charts, residuals_of, transposed_residuals_of
+from isoembed.surface.smoothness_loops import polar_charts, subtract_products
 from isoembed.surface.spatial_order import spatial_order
+from isoembed.threads import run_ranges
 
+ROWS = 5_000  # products with fewer take less time than starting a thread
 CHUNK = 1 << 16  # vertices fitted at once, which bounds the memory of their charts
 ROBUST_EXPONENT = 2 / 3  # of the power mean of the residuals of quintics, which discounts outliers
 
@@ -71,10 +74,8 @@ class QuinticResiduals:
     ----------
     order : ndarray of int, shape (V,)
         Spatial order of the vertices, in which the other attributes are.
-    indptr, indices : ndarray of int32
-        Their neighbors.
-    weights : ndarray, shape (nnz,)
-        Weights of the neighbors.
+    neighbors : csr_array, (V, V)
+        Weights of the neighbors, subtracted.
     own : ndarray, shape (V,)
         Weights of the vertices themselves.
     units : ndarray, shape (V,)
@@ -82,9 +83,7 @@ class QuinticResiduals:
     """
 
     order: Indices
-    indptr: Indices32
-    indices: Indices32
-    weights: Floats
+    neighbors: csr_array
     own: Floats
     units: Floats
 
@@ -99,7 +98,8 @@ class QuinticResiduals:
         row = np.repeat(np.arange(len(order)), degrees)
         own = 1 / np.sqrt(1 + np.bincount(row, weights**2))
         indptr = np.r_[0, np.cumsum(degrees)].astype(np.int32)
-        return cls(order, indptr, indices, weights * own[row], own, surface.units)
+        neighbors = csr_array((weights * own[row], indices, indptr), shape=(len(order), len(order)))
+        return cls(order, neighbors, own, surface.units)
 
     def pull(self, vectors: Floats) -> Floats:
         """``R^T R^T R R v``, (V, 3): half the gradient of ``|R R v|^2``."""
@@ -114,10 +114,21 @@ class QuinticResiduals:
         return robust_mean(np.linalg.norm(twice, axis=1) / self.units)
 
     def _times(self, vectors: Floats) -> Floats:
-        return residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
+        return self._product(self.neighbors, vectors)
 
     def _transposed(self, vectors: Floats) -> Floats:
-        return transposed_residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
+        return self._product(self._of_neighbors, vectors)
+
+    @cached_property
+    def _of_neighbors(self) -> csr_array:
+        return csr_array(self.neighbors.T)
+
+    def _product(self, neighbors: csr_array, vectors: Floats) -> Floats:
+        products = np.empty_like(vectors)
+        run_ranges(
+            lambda rows: subtract_products(neighbors, rows, self.own, vectors, products), len(vectors), ROWS
+        )
+        return products
 
 
 def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:

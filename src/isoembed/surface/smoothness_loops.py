@@ -3,52 +3,36 @@
 
 from __future__ import annotations
 
+import cython
 import numpy as np
 from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 from cython.cimports.libc.math import sqrt
 
 
-def residuals_of(
-    indptr: ConstInt32[::1],
-    indices: ConstInt32[::1],
-    weights: ConstReal[::1],
+def subtract_products(
+    matrix: object,
+    rows: object,
     own: ConstReal[::1],
     vectors: ConstReal[:, ::1],
+    differences: Real[:, ::1],
 ):
-    x: Real
-    y: Real
-    z: Real
-    residuals: Real[:, ::1] = np.empty((vectors.shape[0], 3))
-    for v in range(own.shape[0]):
-        x, y, z = own[v] * vectors[v, 0], own[v] * vectors[v, 1], own[v] * vectors[v, 2]
-        for p in range(indptr[v], indptr[v + 1]):
-            w = indices[p]
-            x -= weights[p] * vectors[w, 0]
-            y -= weights[p] * vectors[w, 1]
-            z -= weights[p] * vectors[w, 2]
-        residuals[v, 0], residuals[v, 1], residuals[v, 2] = x, y, z
-    return np.asarray(residuals)
-
-
-def transposed_residuals_of(
-    indptr: ConstInt32[::1],
-    indices: ConstInt32[::1],
-    weights: ConstReal[::1],
-    own: ConstReal[::1],
-    vectors: ConstReal[:, ::1],
-):
-    products: Real[:, ::1] = np.zeros((vectors.shape[0], 3))
-    for v in range(own.shape[0]):
-        x, y, z = vectors[v, 0], vectors[v, 1], vectors[v, 2]
-        products[v, 0] += own[v] * x
-        products[v, 1] += own[v] * y
-        products[v, 2] += own[v] * z
-        for p in range(indptr[v], indptr[v + 1]):
-            w = indices[p]
-            products[w, 0] -= weights[p] * x
-            products[w, 1] -= weights[p] * y
-            products[w, 2] -= weights[p] * z
-    return np.asarray(products)
+    """Fill in a range of rows of ``own v - A v`` for a matrix A in compressed rows."""
+    indptr: ConstInt32[::1] = matrix.indptr
+    indices: ConstInt32[::1] = matrix.indices
+    weights: ConstReal[::1] = matrix.data
+    first: Int = rows.start
+    last: Int = rows.stop
+    with cython.nogil:
+        for v in range(first, last):
+            x: Real = own[v] * vectors[v, 0]
+            y: Real = own[v] * vectors[v, 1]
+            z: Real = own[v] * vectors[v, 2]
+            for p in range(indptr[v], indptr[v + 1]):
+                w = indices[p]
+                x -= weights[p] * vectors[w, 0]
+                y -= weights[p] * vectors[w, 1]
+                z -= weights[p] * vectors[w, 2]
+            differences[v, 0], differences[v, 1], differences[v, 2] = x, y, z
 
 
 def polar_charts(begin: Int, indptr: ConstInt[::1], indices: ConstInt32[::1], surface: object):
