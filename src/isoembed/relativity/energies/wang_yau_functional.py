@@ -25,7 +25,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.time_function import TimeFunction
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, values_of, vectors_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, momentum_of, values_of, vectors_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, strains
@@ -291,7 +291,7 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
     k = values_of(data.mean_curvature, u, "the mean curvature")
-    p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
+    p = momentum_of(data, u)
     if data.normal_momentum is None and np.any(p):
         raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     worst = int(np.argmin(k - np.abs(p)))

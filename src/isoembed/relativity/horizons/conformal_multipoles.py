@@ -50,16 +50,7 @@ from isoembed.surface.estimate import Estimate
 
 Complexes = NDArray[np.complex128]
 
-ORDERS = 20
-"""Largest degree l of multipoles."""
-DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32), (16, 24, 32, 48, 64, 96, 128)
-"""Degrees of the harmonics of phi, in order of refinement."""
-AROUND = 16
-"""Number of angles phi if the metric is symmetric about z; the unit vectors have order 1."""
-SETTLED, ROUNDING = 1e-12, 1e-13
-"""Change of the multipoles between degrees that counts as converged, and their rounding error."""
-STEPS, SHORTEST = 50, 2.0**-20
-"""Maximum number of Newton steps, and the least damping factor."""
+STEPS = 50  # of Newton's methods, at most
 
 
 @short_repr
@@ -129,7 +120,7 @@ def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
 
 def checked_order(n: SupportsIndex) -> int:
     """Checked degree of the highest multipoles.  Raises `InvalidParameter`: it is out of range."""
-    return checked_count("the highest degree of multipoles", n, 1, ORDERS)
+    return checked_count("the highest degree of multipoles", n, 1, 20)
 
 
 def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMultipoles:
@@ -163,17 +154,20 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     """
     order = checked_order(n)
     symmetric = is_axisymmetric(data.metric) and _momentum_is_axisymmetric(data)
-    degrees = tuple(d for d in (SYMMETRIC_DEGREES if symmetric else DEGREES) if d >= order)
+    # Degrees of the harmonics of phi, in order of refinement.
+    allowed = (16, 24, 32, 48, 64, 96, 128) if symmetric else (12, 16, 24, 32)
+    degrees = tuple(degree for degree in allowed if degree >= order)
     K = spectral_curvature(data.metric, data.relative_error)
     found = _moments(data, K, degrees[0], order, symmetric)
     for degree in degrees[1:]:
         before, found = found, _moments(data, K, degree, order, symmetric)
         change = np.abs(found - before).max(axis=2)
-        if change.max() <= max(SETTLED, data.relative_error):
+        if change.max() <= max(1e-12, data.relative_error):  # converged
             break
     l = np.arange(order + 1)
     steep = l * (l + 1) * (1.0 + STEEPER * l**2)
-    errors = change + ROUNDING * (1 + l) ** 2 + steep * data.relative_error + l * (l + 1) * data.displacement
+    rounding = 1e-13 * (1 + l) ** 2
+    errors = change + rounding + steep * data.relative_error + l * (l + 1) * data.displacement
     if isinstance(data.normal_momentum, UncertainFunction):
         errors[1] += steep * np.pi * data.normal_momentum.error.mean
     rotation = None if data.normal_momentum is None else found[1]
@@ -229,7 +223,8 @@ def _moments(
 ) -> Complexes:
     """I_lm and L_lm (2, order + 1, order + 1), with phi in harmonics of a given degree."""
     heights = 3 * degree // 2 + 2
-    u, weights = gauss_rule(heights, max(AROUND, 2 * order + 2) if symmetric else 2 * heights)
+    # With symmetry, 16 angles phi are enough for the unit vectors, which have order 1.
+    u, weights = gauss_rule(heights, max(16, 2 * order + 2) if symmetric else 2 * heights)
     q = data.metric.tensor(u)
     density = area_density(q)
     unit = float(weights @ density) / (4.0 * np.pi)
@@ -273,7 +268,7 @@ def _conformal(
         border = 2.0 * Y.T @ (w[:, None] * u)
         matrix = np.block([[2.0 * _gram(Y, w) - S, border], [border.T, np.zeros((3, 3))]])
         step, part = -np.linalg.solve(matrix, residual)[:-3], 1.0
-        while part >= SHORTEST and np.linalg.norm(left(phi + part * step)[1]) >= size:
+        while part >= 2.0**-20 and np.linalg.norm(left(phi + part * step)[1]) >= size:
             part *= 0.5
         phi = phi + part * step
         w, residual = left(phi)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.differences import SIXTH
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.local_geometry import ComplexFields, LocalGeometry, SliceFields
 from isoembed.relativity.spacetimes.three_geometry import COMPLEX_STEP, Numbers
@@ -80,7 +81,7 @@ def _displaced(fields: SliceFields, D: Floats) -> ComplexFields:
     size = np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1)))
     h = STEP * float(size)
     gradient, K = np.zeros_like(fields.gradient), np.zeros_like(fields.K)
-    for steps, weight in ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0)):
+    for steps, weight in enumerate(SIXTH, 1):
         for sign in (1.0, -1.0):
             there = SliceFields(fields.geometry, x + sign * steps * h * D)
             gradient += sign * weight / h * there.gradient

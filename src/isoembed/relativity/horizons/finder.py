@@ -10,9 +10,10 @@ import numpy as np
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.horizons.foliated_horizon import FAILURES, NODES, foliated_horizon
+from isoembed.relativity.horizons.foliated_horizon import NODES, foliated_horizon
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near, refined_horizon
 from isoembed.relativity.horizons.hole_groups import HoleGroup, hole_groups, holes_inside
+from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.spacetimes.checks import written
@@ -20,9 +21,6 @@ from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
-
-# Radii of initial spheres relative to the guess: small for grids and between holes, large for fast holes.
-RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
@@ -266,7 +264,8 @@ def _inside_sphere(geometry: ThreeGeometry, group: HoleGroup) -> FoundHorizon:
     why = "none of the spheres encloses all holes"
     at = [position for _, position in geometry.black_holes]
     extent = max((math.dist(at[i], group.center) for i in group.holes), default=0.0)
-    for factor in RADII:
+    # Small spheres are for grids and between holes, large ones for fast holes.
+    for factor in (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0):
         if factor * group.radius <= extent:
             continue
         start = StarSurface.sphere(group.center, factor * group.radius)

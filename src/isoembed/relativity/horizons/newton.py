@@ -19,6 +19,10 @@ class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
     """Newton's method did not converge; the message says where."""
 
 
+FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
+"""Exceptions of `solve`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Surface of constant expansion, up to the truncation of the harmonics.

@@ -8,9 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.discretization import DEALIASING, Discretization, Iterate
-from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.newton import FAILURES, NoConvergence, Solution, solve
 from isoembed.relativity.horizons.radial_image import root_mean_square
 from isoembed.relativity.horizons.refinement import Image
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
@@ -42,7 +41,7 @@ class NormalImage(Image):
     resolved: ClassVar[float] = np.inf
     patience: ClassVar[int] = 1
     retries: ClassVar[int] = 4
-    failures: ClassVar[tuple[type[Exception], ...]] = (NoConvergence, InvalidMetric, InvalidParameter)
+    failures: ClassVar[tuple[type[Exception], ...]] = FAILURES
 
     map: HarmonicMap
     direction: HarmonicMap | None = None
@@ -132,7 +131,7 @@ def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage
     for _ in range(200):  # leaves
         try:
             inner, expansion = _inside(geometry, map, step * start.radius)
-        except (NoConvergence, InvalidMetric, InvalidParameter):
+        except FAILURES:
             expansion = np.inf
         if expansion >= 0.0 and trapped and np.isfinite(expansion):
             return NormalImage(inner)

@@ -35,7 +35,6 @@ MONOPOLE = "coef(0,0)"
 COLUMN = re.compile(r"\[\d+\]\s+(\S+)")  # comment in a text file: "[3] InertialExpansionCenter_z"
 CENTER = re.compile(r"(\w*)ExpansionCenter_[xyz]")
 FRAMES = ("Inertial", "")  # older files do not name the frame
-FEWEST = 16  # least number of circles of points, for a well-determined fit even of a sphere
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
     # Orthonormal harmonics are P_l0 / sqrt(2 pi), and P_lm cos(m phi) or sin(m phi) over sqrt(pi).
     orders = harmonics.labels[1]
     scale = np.where(orders == 0, np.sqrt(np.pi / 2.0), np.sign(orders) * np.sqrt(np.pi))
-    n = max(2 * (degree + 1), FEWEST)
+    n = max(2 * (degree + 1), 16)  # circles: enough for a well-determined fit even of a sphere
     u, _ = gauss_rule(n, 2 * n)
     r = harmonics.values(u) @ (scale * [row[name] for name in names])
     if not (r > 0.0).all():

@@ -34,8 +34,6 @@ from isoembed.smooth.two_metric import is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
 
-DEGREES = (8, 12, 16, 22)  # degrees of the rotations' harmonics, in order of refinement
-SYMMETRIC_DEGREES = (8, 16, 32, 64)  # the same for a metric symmetric about the z-axis
 LENGTHS = 2.0  # error of an axis, or relative error of J, per relative error of lengths
 
 
@@ -105,7 +103,8 @@ def find_spin(data: SurfaceData) -> Spin | None:
         how = "J is given, and K(., n) is not" if J.value > 0.0 else "K(., n) vanishes"
         return Spin(J, None, None, (0.0, 0.0, 0.0), None, how)
     axisymmetric = is_axisymmetric(data.metric)
-    first, *others = SYMMETRIC_DEGREES if axisymmetric else DEGREES
+    # Degrees of the rotations' harmonics, in order of refinement.
+    first, *others = (8, 16, 32, 64) if axisymmetric else (8, 12, 16, 22)
     trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, first, axisymmetric))
     for degree in others:
         before = trial

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.errors import NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.relativity.horizons.finder import find_horizons
 from isoembed.relativity.horizons.foliation import inside
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
-from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -136,7 +136,7 @@ def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | 
         else:
             assert isinstance(surface, StarSurface)
             horizon = axis.horizon(horizon_near(axis.frame, axis.averaged(surface), symmetric=True))
-    except (NoConvergence, InvalidMetric, InvalidParameter):
+    except FAILURES:
         return None
     return horizon if horizon.outer else None
 

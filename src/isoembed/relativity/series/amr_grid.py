@@ -19,16 +19,24 @@ from numpy.lib.stride_tricks import sliding_window_view
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
-from isoembed.relativity.spacetimes.cartesian_grid import ACROSS, ERROR_FACTOR, STENCIL, CartesianGrid, wider
+from isoembed.relativity.spacetimes.cartesian_grid import (
+    ACROSS,
+    ERROR_FACTOR,
+    STENCIL,
+    CartesianGrid,
+    WiderStencil,
+)
 from isoembed.relativity.spacetimes.checks import refuse_points, written
-from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import (
+    DerivedGeometry,
+    InterpolatedGeometry,
+    ThreeGeometry,
+)
 
 CUBE = 32  # points along the edge of a cube read at once: 7 MB with its margin
 KEPT = 64  # number of cubes kept in memory without points of the latest evaluation
-LATEST = 4  # number of cached sets of points, as metric, gradient and K_ij are evaluated in turn
 BEFORE = STENCIL // 2  # points before the one left of x: one more than the interpolation needs
-AFTER = STENCIL // 2 + 1  # points after it: the error estimate needs two more
-EDGE = BEFORE + CUBE + AFTER
+EDGE = BEFORE + CUBE + BEFORE + 1  # one more after it: the error estimate needs two more
 
 Cell = tuple[int, int, int, int]
 """Index of a level in the list of levels, and a cube of its lattice."""
@@ -61,8 +69,11 @@ class PatchSource(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class AMRGrid(ThreeGeometry):
+class AMRGrid(InterpolatedGeometry):
     """Slice on refinement levels.
+
+    Evaluation of a field raises `InvalidParameter`: no level contains a point with its interpolation stencil;
+    `FileError`: the files cannot be read, or have been modified.
 
     Attributes
     ----------
@@ -99,22 +110,6 @@ class AMRGrid(ThreeGeometry):
         room = BEFORE - 1
         return level.origin + level.spacing * (low + room), level.origin + level.spacing * (high - 1 - room)
 
-    def metric(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`.
-
-        Raises `InvalidParameter`: no level contains a point with its interpolation stencil; `FileError`: the
-        files cannot be read, or have been modified.
-        """
-        return self._values("metric", x, (3, 3))
-
-    def gradient(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._values("gradient", x, (3, 3, 3))
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._values("extrinsic_curvature", x, (3, 3))
-
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: as in `CartesianGrid`."""
         return np.asarray(ERROR_FACTOR * (quantity(_Wider(self)) - quantity(self)))
@@ -124,20 +119,20 @@ class AMRGrid(ThreeGeometry):
         coarsest = min(number for (number, *_), _ in self._located(x))
         return ACROSS * float(self._levels[coarsest].spacing.max())
 
-    def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
-        out = np.empty((len(x), *shape))
+    def _field(self, name: str, x: Floats, more: bool = False) -> Floats:
+        out = np.empty((len(x), *[3] * (3 if name == "gradient" else 2)))
         located = self._located(np.asarray(x, dtype=np.float64))
         self._read([cell for cell, _ in located])
         for cell, points in located:
             cube = self._cubes[cell]
-            out[points] = getattr(wider(cube) if more else cube, field)(x[points])
+            out[points] = getattr(WiderStencil(cube) if more else cube, name)(x[points])
         return out
 
     def _located(self, x: Floats) -> list[tuple[Cell, Indices]]:
         """Cubes, and the indices of the points interpolated in each."""
         key = x.tobytes()
         if key not in self._latest:
-            while len(self._latest) >= LATEST:
+            if len(self._latest) == 4:  # size of the cache
                 del self._latest[next(iter(self._latest))]
             self._latest[key] = self._searched(x)
         return self._latest[key]
@@ -255,16 +250,10 @@ class AMRGrid(ThreeGeometry):
 
 
 @dataclass(frozen=True, eq=False)
-class _Wider(DerivedGeometry):
+class _Wider(InterpolatedGeometry, DerivedGeometry):
     """Slice interpolated with two more points along each axis, or two fewer where these are missing."""
 
     grid: AMRGrid
 
-    def metric(self, x: Floats) -> Floats:
-        return self.grid._values("metric", x, (3, 3), more=True)
-
-    def gradient(self, x: Floats) -> Floats:
-        return self.grid._values("gradient", x, (3, 3, 3), more=True)
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        return self.grid._values("extrinsic_curvature", x, (3, 3), more=True)
+    def _field(self, name: str, x: Floats) -> Floats:
+        return self.grid._field(name, x, more=True)

@@ -34,7 +34,6 @@ HEADER, VERSION = "Header", "HyperCLaw-V1.1"
 KNOWN = (GRCHOMBO, AdmVariables())
 CELL_VERSION = "1"  # version with a line of text before each box, the default of AMReX
 INTEGER = re.compile(r"-?\d+")
-LINE = 4096  # largest length of the line before a box in bytes; a tenth is usual
 SAME = ("low", "high", "nodal")  # attributes that agree in all plot files of a slice
 REALS = {  # bits of the exponent and so on, and the order of the bytes
     ("64 11 52 0 1 12 0 1023", "8 7 6 5 4 3 2 1"): "<f8",
@@ -220,7 +219,7 @@ class _Level:
         try:
             with path.open("rb") as file:
                 file.seek(start)
-                head = FAB.fullmatch(file.readline(LINE))
+                head = FAB.fullmatch(file.readline(4096))  # a tenth of this is usual
                 kind = head and REALS.get((head[2].decode(), head[4].decode()))
                 if not head or not kind:
                     raise FileError(f"{path} has no box of numbers in a known format at byte {start}")

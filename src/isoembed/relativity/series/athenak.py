@@ -28,7 +28,6 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
 from isoembed.relativity.series.adm_variables import (
-    PAIRS,
     AdmVariables,
     ConformalVariables,
     Variables,
@@ -40,6 +39,7 @@ from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
 from isoembed.relativity.series.refined_grid import Component
 from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, lagrange_weights
+from isoembed.relativity.spacetimes.slice_file import PAIRS
 
 MAGIC, VERSION = "Athena binary output version=", "1.1"
 RANK = re.compile(r"rank_\d+")  # folder of the files of a process

@@ -14,8 +14,6 @@ from isoembed.arrays import Floats
 
 SIXTH = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
 EIGHTH = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-FINER = (1.0, 1.0 / 8.0, 1.0 / 64.0)  # steps of a check, relative to the first
-FIRST = 2.0**-8  # first step, relative to the extent of the points
 
 
 def central_differences(
@@ -77,7 +75,7 @@ def disagreement(
     some = np.unique([*np.linspace(0, len(x) - 1, 3).astype(int), largest])[: len(x)]
     x, stated = x[some], gradient[some]
     with np.errstate(all="ignore"):  # there may be no metric a step away
-        steps = min(FIRST * size, step) * np.array(FINER)
+        steps = min(size / 256.0, step) / np.array([1.0, 8.0, 64.0])
         found = [central_differences(f, x, h, SIXTH) for h in steps]
         # Use the two successive steps that agree best, independent of scale and noise of the function.
         errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]

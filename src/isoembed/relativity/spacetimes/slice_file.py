@@ -35,8 +35,8 @@ from isoembed.relativity.spacetimes.cartesian_grid import OUTSIDE, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
 
 PLACE = ("origin", "spacing")
-GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
-K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
+PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
+GAMMA, K = (tuple(f"{letter}{pair}" for pair in PAIRS) for letter in "gk")
 INSTANT = ("time", "iteration")
 SLICE_ENDINGS = (".npz", *HDF5_ENDINGS)
 AROUND = 10  # margin in spacings around a box: five points for the interpolation, the rest as reserve

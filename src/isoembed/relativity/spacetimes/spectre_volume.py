@@ -26,8 +26,8 @@ from isoembed.io.hdf5 import array_of
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.element_grid import BULGE, Element, ElementGrid
+from isoembed.relativity.spacetimes.slice_file import PAIRS
 
-PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
 GAMMA, K, POINTS = "SpatialMetric_", "ExtrinsicCurvature_", "InertialCoordinates_"
 LAYOUT = ("total_extents", "bases", "quadratures")
 

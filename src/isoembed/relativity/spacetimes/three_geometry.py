@@ -30,7 +30,6 @@ from isoembed.smooth.user_functions import array_of, called
 Numbers = NDArray[Any]
 """Real arrays, or complex ones for complex-step derivatives."""
 
-CHECKED = 32  # largest number of points at which members of a user-defined class are checked
 COMPLEX_STEP = 1e-30  # its square is negligible
 
 
@@ -134,7 +133,7 @@ def check_members(geometry: ThreeGeometry, x: Floats) -> None:
     kind = type(geometry)
     if kind.__module__.split(".")[0] == __name__.split(".")[0]:
         return
-    x = x[:: len(x) // CHECKED + 1]
+    x = x[:: len(x) // 32 + 1]  # at most 32 of them
     n, found = len(x), {}
     for name, axes in (("metric", 2), ("gradient", 3), ("extrinsic_curvature", 2)):
         found[name] = np.asarray(getattr(geometry, name)(x))
@@ -181,6 +180,30 @@ class AnalyticGeometry(ThreeGeometry):
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """Zero: see `ThreeGeometry`."""
         return np.zeros_like(quantity(self))
+
+
+class InterpolatedGeometry(ThreeGeometry):
+    """Slice whose fields are interpolated by one method."""
+
+    @abstractmethod
+    def _field(self, name: str, x: Floats) -> Floats:
+        """``metric``, ``gradient`` or ``extrinsic_curvature``, by name, at the points x (n, 3)."""
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("metric", x)
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("gradient", x)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("extrinsic_curvature", x)
+
+
+ASSUMED = "the slice has no K_ij: it is assumed to be time-symmetric"
+"""Note on a slice on a grid."""
 
 
 class DerivedGeometry(ThreeGeometry):
