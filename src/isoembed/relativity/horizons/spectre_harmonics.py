@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError
+from isoembed.io.hdf5 import text_of
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_table import read_text_table
 from isoembed.meshing.sphere import gauss_rule
@@ -54,7 +55,7 @@ class HarmonicTable:
     @classmethod
     def in_dataset(cls, item: Any) -> "HarmonicTable | None":
         """Table of an HDF5 dataset; None if the dataset has another format."""
-        legend = [_decoded(name) for name in np.atleast_1d(item.attrs.get("Legend", ()))]
+        legend = [text_of(name) for name in np.atleast_1d(item.attrs.get("Legend", ()))]
         if MONOPOLE not in legend or item.ndim != 2 or item.shape[1] != len(legend):
             return None
         return cls(legend, item)
@@ -135,7 +136,3 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
         raise FileError(f"{source}: the radius is not positive everywhere, but {r.min():.6g} for one")
     center = np.array([row[name] for name in sorted(centers)])
     return CoordinateShape.star_shaped(center + r[:, None] * u, source, center, time=time)
-
-
-def _decoded(name: Any) -> str:
-    return name.decode("utf-8", errors="replace") if isinstance(name, bytes) else str(name)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
@@ -47,6 +48,16 @@ class Component:
     origin: tuple[float, float, float]
     spacing: tuple[float, float, float]
     shape: tuple[int, int, int]
+
+    @classmethod
+    def of(cls, key: Any, origin: ArrayLike, spacing: ArrayLike, shape: ArrayLike) -> Component:
+        """Component with given arrays."""
+        return cls(key, *(tuple(np.asarray(each).tolist()) for each in (origin, spacing, shape)))
+
+
+def beyond_ghosts(part: Sequence[slice], ghosts: Sequence[int]) -> list[slice]:
+    """Part of a component in an array with ghost zones."""
+    return [slice(s.start + g, s.stop + g) for s, g in zip(part, ghosts, strict=True)]
 
 
 class Layout(Protocol):

@@ -238,17 +238,17 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """
     if _format_of(Path(folder)) is not None:
         return slices_in_file(folder)
-    found: dict[int, list[Path]] = {}
+    found: dict[SliceFormat, list[Path]] = {}
     damaged = []
     for path in entries_in(folder):
         try:
-            kind = _format_of(path)
+            form = _format_of(path)
         except FileError:  # reading will say why
             damaged.append(path)
             continue
-        if kind is not None:
-            found.setdefault(kind, []).append(path)
-    whole = [each for kind in sorted(found) for each in _slices(FORMATS[kind], found[kind], damaged)]
+        if form is not None:
+            found.setdefault(form, []).append(path)
+    whole = [each for form in FORMATS if form in found for each in _slices(form, found[form], damaged)]
     if not whole:
         return []
     return [_named(each) for each in whole] + [
@@ -284,21 +284,17 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
 
     Raises `FileError`: it cannot be read, or holds none.
     """
-    kind = _format_of(Path(path))
-    if kind is not None:
-        return FORMATS[kind].slices([Path(path)])
+    if (form := _format_of(Path(path))) is not None:
+        return form.slices([Path(path)])
     if CARPET_FILE.fullmatch(Path(path).name):
         raise FileError(f"{path} is a part of a slice, as Carpet writes it: name the folder of the run")
     check_ending(path, (*SLICE_ENDINGS, ".bin"))
     raise FileError(f"{path} has no {', nor '.join(form.name for form in FORMATS)}")
 
 
-def _format_of(path: Path) -> int | None:
-    """Index of the format of a file or a folder in the list of formats.
-
-    Raises `FileError`: it is damaged.
-    """
-    return next((k for k, form in enumerate(FORMATS) if form.holds(path)), None)
+def _format_of(path: Path) -> SliceFormat | None:
+    """Format of a file or a folder, if it is known.  Raises `FileError`: it is damaged."""
+    return next((form for form in FORMATS if form.holds(path)), None)
 
 
 def _is_hdf5(path: Path) -> bool:

@@ -27,9 +27,8 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, check_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.hdf5 import HDF5_ENDINGS, check_data_set
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.cartesian_grid import OUTSIDE, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
@@ -220,5 +219,5 @@ def _part(path: str | os.PathLike[str], name: str, data: Any, where: tuple[int |
             for along, n in zip(where, data.shape, strict=False)
         ]
         size = data.dtype.itemsize * math.prod((*lengths, *data.shape[len(where) :]))
-        check_expansion(f"{data.name} of {path}", size, data.id.get_storage_size())
+        check_data_set(data, path, size)
     return np.asarray(data[where])
