@@ -173,7 +173,7 @@ def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> 
     """Norm of the gradient of the energy in the coefficients of tau, at tau = 0."""
     n = FEWEST_HEIGHTS
     samples = MetricSamples.of(data.metric, n, 2 * n)
-    k, p, alpha = physical(data, samples.u, samples.frames)
+    k, p, alpha = physical(data, samples)
     frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
     if np.any(p):  # alpha = K(., n) - d psi
         transform = SphereTransform(Harmonics(n // 2, n // 2), n, 2 * n)

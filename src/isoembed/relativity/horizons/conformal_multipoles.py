@@ -33,7 +33,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
-from isoembed.relativity.horizons.multipoles import STEEPER
+from isoembed.relativity.horizons.multipoles import STEEPER, estimates
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
@@ -197,10 +197,6 @@ class _Sphere:
         rate = np.eye(3) / rho[:, :, None] - 2.0 * d[:, :, None] * d[:, None, :] / rho[:, :, None] ** 2
         return _Sphere(scale * d / rho - b, scale * rate @ self.slope)
 
-    def turned(self, R: Floats) -> _Sphere:
-        """Image under a rotation R (3, 3)."""
-        return _Sphere(self.n @ R.T, R @ self.slope)
-
     def balanced(self, dA: Floats) -> _Sphere:
         """Round metric without area dipole, for the areas dA (N,) at the nodes, which sum to 4 pi."""
         sphere = self
@@ -215,7 +211,8 @@ class _Sphere:
 
     def nearest(self, x: Floats, dA: Floats) -> _Sphere:
         """Image under the rotation that best aligns it with vectors x (N, 3)."""
-        return self.turned(Rotation.align_vectors(x, self.n, dA)[0].as_matrix())
+        R = Rotation.align_vectors(x, self.n, dA)[0].as_matrix()
+        return _Sphere(self.n @ R.T, R @ self.slope)
 
 
 def _moments(
@@ -303,9 +300,7 @@ def _powers(table: Complexes, errors: Floats) -> tuple[Estimate, ...]:
     powers = squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)
     l = np.arange(len(table))
     spread = errors * np.sqrt(2 * l + 1)
-    return tuple(
-        Estimate(*pair) for pair in zip(powers, 2.0 * np.sqrt(powers) * spread + spread**2, strict=True)
-    )
+    return estimates(powers, 2.0 * np.sqrt(powers) * spread + spread**2)
 
 
 def _momentum_is_axisymmetric(data: SurfaceData) -> bool:

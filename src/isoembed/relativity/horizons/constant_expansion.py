@@ -12,7 +12,6 @@ from isoembed.relativity.horizons.radial_image import discretized, in_degree
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-FIRST_DEGREE = 8
 DEGREE_GROWTH = 1.5
 TRUNCATION = 1e-4
 """Largest coefficient of high degree, in mean radii, above which the degree is raised."""
@@ -108,7 +107,7 @@ def constant_expansion_surface(
         degree = min(highest, int(DEGREE_GROWTH * harmonics.degree))
         guess = in_degree(surface, degree)
     rate, tangent = _tangent(solution)
-    by_slice = solution.equations.projected(errors[:, None])[:, 0]
+    by_slice = solution.equations.projected(errors)
     return ConstantExpansionSurface(
         surface=surface,
         expansion=solution.expansion,

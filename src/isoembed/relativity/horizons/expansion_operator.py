@@ -54,6 +54,11 @@ class LinearizedExpansion:
         return change
 
 
+def extent(x: Floats) -> float:
+    """Root-mean-square distance of points (n, 3) from their mean."""
+    return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
+
+
 def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansion:
     """Linearized expansion of a surface in a slice, for displacements in a family."""
     D, surface, fields = family.direction, local.jet, local.fields
@@ -78,8 +83,7 @@ def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansi
 def _displaced(fields: SliceFields, D: Floats) -> ComplexFields:
     """Fields of the slice at the complex points ``x + i eps D``."""
     x = fields.x
-    size = np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1)))
-    h = STEP * float(size)
+    h = STEP * extent(x)
     gradient, K = np.zeros_like(fields.gradient), np.zeros_like(fields.K)
     for steps, weight in enumerate(SIXTH, 1):
         for sign in (1.0, -1.0):

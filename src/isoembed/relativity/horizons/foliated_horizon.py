@@ -12,7 +12,7 @@ from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate,
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
 from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.radial_image import is_symmetric
-from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.horizons.symmetry_axis import horizon_in_slice, symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -28,11 +28,11 @@ def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizo
     """
     if is_symmetric(geometry, start):
         return _from_foliation(geometry, start, symmetric=True)
-    axis = symmetry_axis(geometry, start)
-    if axis is None:
+    frame = symmetry_axis(geometry, start)
+    if frame is None:
         return _from_foliation(geometry, start, symmetric=False)
     sphere = StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius)
-    return axis.horizon(_from_foliation(axis.frame, sphere, symmetric=True))
+    return horizon_in_slice(_from_foliation(frame, sphere, symmetric=True), frame)
 
 
 def _from_foliation(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> FoundHorizon:

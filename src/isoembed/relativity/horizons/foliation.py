@@ -22,7 +22,6 @@ from scipy.optimize import brentq, root_scalar
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.constant_expansion import (
     DEGREE_GROWTH,
-    FIRST_DEGREE,
     PRECISE_RESIDUAL,
     TRUNCATION,
     ConstantExpansionSurface,
@@ -258,7 +257,7 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Cons
     Leaves around a moving hole are displaced by a fraction of their radius that increases with the speed, too
     far for Newton's method from a sphere; K_ij is therefore scaled up in steps.
     """
-    surface = in_degree(start, max(FIRST_DEGREE, start.harmonics.degree), symmetric)
+    surface = in_degree(start, max(8, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
         leaf = constant_expansion_surface(ScaledCurvature(geometry, factor), surface)
         surface = recentered(leaf.surface)

@@ -67,24 +67,21 @@ class NormalImage(Image):
         """See `Image`."""
         return NormalImage(self.map.in_degree(min(self.highest, self.degree * 4 // 3)))
 
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[NormalImage, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[NormalImage, Solution, int]:
         """See `Image`; the normals are recomputed until the surface is stationary."""
         map, steps = self.map, 0
         for count in range(4):  # largest number of updates of the normals
             if count < 2:  # largest number of reparametrizations
                 map = map.reparametrized()
             image = NormalImage(map, map.normals())
-            discretization = image.discretized(geometry)
-            solution = solve(discretization, np.zeros(image.displacements.size), expansion)
+            solution = solve(image.discretized(geometry), np.zeros(image.displacements.size), expansion)
             f = solution.iterate.f
             map = image.displaced(f)
             steps += solution.steps
             # The displacement is too small to require new normals.
             if np.linalg.norm(f) <= 1e-10 * map.radius:
                 break
-        return replace(image, map=map), discretization, solution, steps
+        return replace(image, map=map), solution, steps
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
         """See `Image`."""

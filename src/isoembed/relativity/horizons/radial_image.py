@@ -71,20 +71,17 @@ class RadialImage(Image):
         following = 2 * power if self.degree >= 3 * power // 2 else 3 * power // 2
         return replace(self, star=in_degree(self.star, min(self.highest, following)))
 
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[RadialImage, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[RadialImage, Solution, int]:
         """See `Image`; about the centroid."""
         image, steps = self, 0
         while True:
             star = image.star
-            discretization = discretized(geometry, star)
-            solution = solve(discretization, star.coefficients, expansion)
+            solution = solve(discretized(geometry, star), star.coefficients, expansion)
             steps += solution.steps
             star = StarSurface(star.center, star.harmonics, solution.iterate.f)
             centered = recentered(star)
             if centered is star or image.moves == 0:
-                return replace(image, star=star), discretization, solution, steps
+                return replace(image, star=star), solution, steps
             image = replace(image, star=centered, moves=image.moves - 1)
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:

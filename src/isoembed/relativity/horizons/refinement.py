@@ -63,9 +63,7 @@ class Image(ABC):
         """Image in the next degree, or the largest."""
 
     @abstractmethod
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[Image, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[Image, Solution, int]:
         """Nearby surface of constant expansion in this degree, and the number of Newton steps.
 
         Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
@@ -88,7 +86,6 @@ class Refined:
     Attributes
     ----------
     image : Image
-    discretization : Discretization
     solution : Solution
     residual : float
         Largest deviation from the prescribed expansion, times the areal radius, at nodes other than those of
@@ -99,7 +96,6 @@ class Refined:
     """
 
     image: Image
-    discretization: Discretization
     solution: Solution
     residual: float
     steps: int = 0
@@ -116,7 +112,7 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
     steps = stalled = failures = 0
     while True:
         try:
-            image, discretization, solution, more = image.solved(geometry, expansion)
+            image, solution, more = image.solved(geometry, expansion)
             apart, there = image.apart(geometry)
         except image.failures:
             if best is not None and best.residual <= image.resolved:
@@ -132,7 +128,7 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         falls = best is None or residual <= 0.5 * best.residual
         stalled = 0 if falls or residual > image.resolved else stalled + 1
         if best is None or residual < best.residual:
-            best = Refined(image, discretization, solution, residual)
+            best = Refined(image, solution, residual)
         slice_error = R * float(np.abs(apart.expansion_errors(there)).max())
         if residual <= max(image.rounding, 0.1 * slice_error):  # well below the error of the slice
             return replace(best, steps=steps, end=End.RESOLVED)

@@ -192,10 +192,9 @@ def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> 
     if isinstance(surface, MappedSurface):
         map = HarmonicMap(surface.harmonics, surface.coefficients)
         return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))
-    transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
+    transform = SphereTransform(surface.harmonics, heights, around)
     star = SurfaceFamily.star(surface.center, transform.u)
-    radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
-    return replace(star, base=star.at(*radius))
+    return replace(star, base=star.at_nodes(transform, surface.coefficients))
 
 
 def _linearized(family: SurfaceFamily, geometry: ThreeGeometry) -> LinearizedExpansion:

@@ -18,7 +18,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.files import FileError
-from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
+from isoembed.relativity.series.refined_grid import Component, Layout, Level, Piece
 from isoembed.relativity.spacetimes.cartesian_grid import (
     ACROSS,
     ERROR_FACTOR,
@@ -167,21 +167,12 @@ class AMRGrid(InterpolatedGeometry):
         )
         return out
 
-    def _cover(self, cell: Cell) -> tuple[list[tuple[Block, Indices, Indices]], Mask]:
-        """Blocks that fill a cube, and the mask of its points with a complete interpolation stencil."""
+    def _cover(self, cell: Cell) -> tuple[list[Piece], Mask]:
+        """Pieces that fill a cube, and the mask of its points with a complete interpolation stencil."""
         if cell not in self._covers:
             number, *cube = cell
             start = np.array(cube) * CUBE - BEFORE
-            there = np.zeros((EDGE, EDGE, EDGE), dtype=bool)
-            pieces = []
-            lows, highs = self._ends[number]
-            for k in np.flatnonzero(((lows < start + EDGE) & (highs > start)).all(axis=1)):
-                low, high = np.maximum(lows[k], start), np.minimum(highs[k], start + EDGE)
-                here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
-                if not there[here].all():
-                    there[here] = True
-                    pieces.append((self._levels[number].blocks[k], low, high))
-            whole: Mask = there
+            pieces, whole = self._levels[number].pieces(start, start + EDGE)
             for axis in range(3):
                 whole = np.all(sliding_window_view(whole, STENCIL, axis=axis), axis=-1)
             inner = slice(1, 1 + CUBE)
@@ -203,13 +194,11 @@ class AMRGrid(InterpolatedGeometry):
                 level = self._levels[number]
                 start = np.array(cube) * CUBE - BEFORE
                 tables = np.full((12, EDGE, EDGE, EDGE), np.nan)
-                for block, low, high in reversed(self._cover(cell)[0]):
-                    values = data.values(data.levels[number], block.component, block.part(low, high))
-                    here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
+                for piece in reversed(self._cover(cell)[0]):
+                    values = data.values(data.levels[number], piece.block.component, piece.part)
                     for row in range(12):
-                        source, sign = block.map.entry(row % 6)
-                        turned = block.map.turned(values[row - row % 6 + source])
-                        np.multiply(turned, sign, out=tables[row][here])
+                        source, sign = piece.block.map.entry(row % 6)
+                        piece.put(values[row - row % 6 + source], sign, tables[row], start)
                 origin = (level.origin + level.spacing * start).tolist()
                 self._cubes[cell] = CartesianGrid(origin, level.spacing.tolist(), tables[:6], tables[6:])
 
@@ -226,15 +215,7 @@ class AMRGrid(InterpolatedGeometry):
             return [Level.of(data, level) for level in data.levels]
 
     @cached_property
-    def _ends(self) -> list[tuple[Indices, Indices]]:
-        """Ends of the blocks of each level."""
-        return [
-            (np.array([b.low for b in level.blocks]), np.array([b.high for b in level.blocks]))
-            for level in self._levels
-        ]
-
-    @cached_property
-    def _covers(self) -> dict[Cell, tuple[list[tuple[Block, Indices, Indices]], Mask]]:
+    def _covers(self) -> dict[Cell, tuple[list[Piece], Mask]]:
         return {}
 
     @cached_property

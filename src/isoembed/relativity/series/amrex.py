@@ -25,6 +25,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError, reading
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, variables_in
+from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
 from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.series.patch_slice import PatchSlice
@@ -46,11 +47,7 @@ FAB = re.compile(rb"FAB \(\((\d+), \(([\d ]+)\)\),\((\d+), \(([\d ]+)\)\)\)(\(\(
 
 def is_plot_file(path: Path) -> bool:
     """Whether a folder is a plot file of AMReX, of any version."""
-    try:
-        with (path / HEADER).open("rb") as file:
-            return file.read(len(VERSION)).startswith(b"HyperCLaw")
-    except OSError:
-        return False
+    return begins_with(path / HEADER, b"HyperCLaw")
 
 
 def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:

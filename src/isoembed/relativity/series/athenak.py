@@ -34,6 +34,7 @@ from isoembed.relativity.series.adm_variables import (
     rank,
     variables_in,
 )
+from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
 from isoembed.relativity.series.moment import ListedFile
 from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
@@ -57,13 +58,7 @@ class AthenaKSlice(PatchSlice):
 
 def is_athenak(path: Path) -> bool:
     """Whether a file is of AthenaK, of any version."""
-    if not path.is_file():
-        return False
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC.encode()
-    except OSError:
-        return False
+    return begins_with(path, MAGIC.encode())
 
 
 def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:

@@ -8,10 +8,11 @@ and derived fields, where the values at the points of each patch are all that is
 
 import contextlib
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
@@ -83,7 +84,7 @@ class GridSlice:
         if self.index is None:
             return file_digest(self.path)
         with unchanged(self.path):
-            return _slice_digest(self.path, self.index, file_state(self.path))
+            return _digest(slice_arrays, self.path, self.index, file_state(self.path))
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """See `SliceSource`: the grid in the box and around it."""
@@ -152,7 +153,7 @@ class SpectreSlice:
         digests = []
         for path in self.paths:
             with unchanged(path):
-                digests.append(_volume_digest(path, self.time, file_state(path)))
+                digests.append(_digest(volume_arrays, path, self.time, file_state(path)))
         return " ".join(digests)
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
@@ -326,13 +327,9 @@ def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
 
 
 @lru_cache(maxsize=64)
-def _volume_digest(path: str, time: float, state: tuple[int, int] | None) -> str:
-    return arrays_digest(volume_arrays(path, time))
-
-
-@lru_cache(maxsize=64)
-def _slice_digest(path: str, index: int, state: tuple[int, int] | None) -> str:
-    return arrays_digest(slice_arrays(path, index))
+def _digest(arrays: Callable[..., Iterator[Any]], path: str, at: float, state: Any) -> str:
+    """Digest of the arrays at a time or an index of a file in a given state."""
+    return arrays_digest(arrays(path, at))
 
 
 FORMATS = (

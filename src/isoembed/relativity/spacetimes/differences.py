@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.checks import written
 
 SIXTH = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
 EIGHTH = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
@@ -30,32 +30,13 @@ def central_differences(
     return np.asarray(np.stack(out, axis=1) / step)
 
 
-@dataclass(frozen=True)
-class Disagreement:
-    """Largest difference of a derivative of a matrix from a central difference.
-
-    Attributes
-    ----------
-    x : ndarray, shape (3,)
-    name : str
-        Name of the derivative, such as "d_x gamma_yz".
-    stated, found : float
-        Derivative and central difference.
-    """
-
-    x: Floats
-    name: str
-    stated: float
-    found: float
-
-
 def disagreement(
     f: Callable[[Floats], NDArray[Any]],
     x: Floats,
     gradient: Floats,
     relative: float,
     step: float = np.inf,
-) -> Disagreement | None:
+) -> tuple[str, float] | None:
     """Largest difference of a gradient from central differences that exceeds their error; None if none does.
 
     Parameters
@@ -69,6 +50,13 @@ def disagreement(
         Largest admissible difference, relative to the largest component at a point.
     step : float
         Largest step of differences, if less than 1/256 of the extent of the points.
+
+    Returns
+    -------
+    str
+        The derivative, such as "d_x gamma_yz at (1, 0, 0) is 2".
+    float
+        The central difference.
     """
     size = float(np.ptp(x, axis=0).max(initial=0.0)) or float(np.abs(x).max(initial=0.0)) or 1.0
     largest = np.argmax(np.abs(gradient).reshape(len(x), -1).max(axis=1, initial=0.0)) if len(x) else 0
@@ -87,9 +75,6 @@ def disagreement(
     if not (excess > 0.0).any():  # also for NaN, which is no evidence
         return None
     point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)
-    return Disagreement(
-        x[point],
-        f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}",
-        float(stated[point, k, i, j]),
-        float(found[best][point, k, i, j]),
-    )
+    name = f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}"
+    given = f"{name} at {written(x[point])} is {stated[point, k, i, j]:.6g}"
+    return given, float(found[best][point, k, i, j])

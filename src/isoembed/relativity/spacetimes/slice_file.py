@@ -43,17 +43,7 @@ AROUND = 10  # margin in spacings around a box: five points for the interpolatio
 
 @dataclass(frozen=True)
 class Instant:
-    """Time of a slice in a file.
-
-    Attributes
-    ----------
-    iteration : int or None
-        Iteration of the simulation, if in the file.
-    time : float or None
-        Time, if in the file.
-    index : int or None
-        Index along the time axis, if there is one.
-    """
+    """Iteration and time of a slice, if they are in the file, and its index along the time axis, if any."""
 
     iteration: int | None
     time: float | None
