@@ -20,7 +20,7 @@ from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
 from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, facts_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
-from isoembed.plot.series.scenes import Scene, evenly, scenes
+from isoembed.plot.series.scenes import Scene, evenly, joined, scenes
 from isoembed.plot.view import Pose, View, camera
 from isoembed.runs.result import Result
 
@@ -166,11 +166,9 @@ def _draw_surfaces(
     """Draw disjoint horizons, the farthest face first."""
     if not horizons:
         return
-    first = np.cumsum([0] + [len(horizon.vertices) for horizon in horizons[:-1]])
-    faces = np.concatenate([horizon.faces + k for horizon, k in zip(horizons, first, strict=True)])
+    vertices, faces = joined(horizons)
     values = np.concatenate([horizon.fields[SHOWN] for horizon in horizons])
-    view = View.of(np.concatenate([horizon.vertices for horizon in horizons]), faces, pose)
-    draw(axes, view, face_means(values, faces), scale, opacity=opacity)
+    draw(axes, View.of(vertices, faces, pose), face_means(values, faces), scale, opacity=opacity)
 
 
 def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:
