@@ -40,8 +40,6 @@ class NormalImage(Image):
     rounding: ClassVar[float] = 1e-11
     resolved: ClassVar[float] = np.inf
     patience: ClassVar[int] = 1
-    retries: ClassVar[int] = 4
-    failures: ClassVar[tuple[type[Exception], ...]] = FAILURES
 
     map: HarmonicMap
     direction: HarmonicMap | None = None

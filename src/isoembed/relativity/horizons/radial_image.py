@@ -12,7 +12,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.horizons.discretization import DEALIASING, Discretization, Iterate
-from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.newton import Solution, solve
 from isoembed.relativity.horizons.refinement import Image
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -43,8 +43,6 @@ class RadialImage(Image):
     rounding: ClassVar[float] = 1e-12
     resolved: ClassVar[float] = 1e-3
     patience: ClassVar[int] = 2
-    retries: ClassVar[int] = 3
-    failures: ClassVar[tuple[type[Exception], ...]] = (NoConvergence,)
 
     star: StarSurface
     moves: int = 3

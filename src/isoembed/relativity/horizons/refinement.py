@@ -11,7 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.discretization import Discretization, Iterate
-from isoembed.relativity.horizons.newton import Solution
+from isoembed.relativity.horizons.newton import FAILURES, Solution
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -36,17 +36,11 @@ class Image(ABC):
         Residual below which a higher degree must reduce it.
     patience : int
         Number of successive degrees without a halved residual that end the refinement.
-    retries : int
-        Number of degrees without a solution before the search ends.
-    failures : tuple of exceptions
-        Exceptions after which a higher degree is tried.
     """
 
     rounding: ClassVar[float]
     resolved: ClassVar[float]
     patience: ClassVar[int]
-    retries: ClassVar[int]
-    failures: ClassVar[tuple[type[Exception], ...]]
 
     @property
     @abstractmethod
@@ -114,11 +108,11 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         try:
             image, solution, more = image.solved(geometry, expansion)
             apart, there = image.apart(geometry)
-        except image.failures:
+        except FAILURES:
             if best is not None and best.residual <= image.resolved:
                 return replace(best, steps=steps, end=End.STALLED)
             failures += 1
-            if failures > image.retries or image.degree >= image.highest:
+            if failures > 4 or image.degree >= image.highest:
                 raise
             image = image.finer()
             continue

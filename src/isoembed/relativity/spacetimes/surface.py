@@ -147,10 +147,9 @@ class Surface(ABC):
             The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
             surface; the message names a point.
         """
-        check_geometry(geometry)
-        moves = not geometry.time_symmetric
         u, weights = gauss_rule(24, 48)
         center, local = np.array(self.center), self.local_geometry(geometry, u)
+        moves = not geometry.time_symmetric
         errors = SurfaceErrors.of_surface(local, self.deviating(u), center, weights)
         if self.deviations is None:
             miss = self.misfit / self.mean_radius
