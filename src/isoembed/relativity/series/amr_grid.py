@@ -8,15 +8,19 @@ coarser one.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.io.digest import file_digest, file_state, unchanged
 from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Component, Layout, Level, Piece
 from isoembed.relativity.spacetimes.cartesian_grid import (
@@ -50,22 +54,64 @@ class PatchData(Layout, Protocol):
         ...
 
 
-class PatchSource(Protocol):
-    """Files with the data of one slice."""
+@dataclass(frozen=True)
+class PatchSlice(ABC):
+    """Slice in files of patches, a `SliceSource`.
+
+    Attributes
+    ----------
+    paths : tuple of str
+        Paths of the files, several if variables or processes have separate files.
+    """
+
+    paths: tuple[str, ...]
 
     @property
     def name(self) -> str:
-        """Name for messages."""
-        ...
+        """First path, and the number of the others."""
+        more = f" and {len(self.paths) - 1} more" if len(self.paths) > 1 else ""
+        return self.paths[0] + more
+
+    @property
+    def files(self) -> Sequence[str | Path]:
+        """Files of the slice."""
+        return self.paths
+
+    @abstractmethod
+    def data(self, closing: contextlib.ExitStack) -> PatchData:
+        """Data of the files, which stay open until `closing` is closed.
+
+        Raises `FileError`: a file cannot be read, or lacks a variable.
+        """
 
     @property
     def state(self) -> Any:
         """State of the files, which changes if they are modified."""
-        ...
+        return tuple(file_state(path) for path in self.files)
 
-    def opened(self) -> contextlib.AbstractContextManager[PatchData]:
-        """Context manager that opens the files."""
-        ...
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[PatchData]:
+        """Context manager that opens the files, and checks that they are not modified meanwhile."""
+        with contextlib.ExitStack() as closing:
+            for path in self.files:
+                closing.enter_context(unchanged(path))
+            yield self.data(closing)
+
+    def digest(self) -> str:
+        """Hash of the files.  Raises `FileError`: a file cannot be read, or changes meanwhile."""
+        return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
+
+    def read(self, low: Floats, high: Floats) -> AMRGrid:
+        """Slice that reads lazily the parts needed by surfaces.
+
+        Raises `FileError`: a file cannot be read, or lacks a variable.
+        """
+        return self.whole()
+
+    def whole(self) -> AMRGrid:
+        """See `read`, for the whole slice.  Raises `FileError`: see `read`."""
+        with self.opened():
+            return AMRGrid(self, self.state)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,13 +123,13 @@ class AMRGrid(InterpolatedGeometry):
 
     Attributes
     ----------
-    source : PatchSource
+    source : PatchSlice
         Source of the data, read when needed.
     state : object
         State of the files; nothing more is read after they have been modified.
     """
 
-    source: PatchSource
+    source: PatchSlice
     state: Any
 
     @property

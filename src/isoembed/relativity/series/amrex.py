@@ -25,10 +25,10 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError, reading
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, variables_in
+from isoembed.relativity.series.amr_grid import PatchSlice
 from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
 from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice
 from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 
 HEADER, VERSION = "Header", "HyperCLaw-V1.1"

@@ -34,10 +34,10 @@ from isoembed.relativity.series.adm_variables import (
     rank,
     variables_in,
 )
+from isoembed.relativity.series.amr_grid import PatchSlice
 from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
-from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
+from isoembed.relativity.series.moment import ListedFile, best_of_moments
 from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, lagrange_weights
 from isoembed.relativity.spacetimes.slice_file import PAIRS

@@ -29,9 +29,9 @@ from isoembed.io.files import FileError
 from isoembed.io.hdf5 import check_data_set, text_of
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, rank, variables_in
+from isoembed.relativity.series.amr_grid import PatchSlice
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
-from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
+from isoembed.relativity.series.moment import ListedFile, best_of_moments
 from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 
 GLOBAL = "Chombo_global"

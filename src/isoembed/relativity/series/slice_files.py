@@ -80,7 +80,7 @@ class GridSlice:
         return self.path if self.index is None else f"{self.path} (index {self.index})"
 
     def digest(self) -> str:
-        """Hash of the file, or of the arrays of the slice; see `Source`."""
+        """Hash of the file, or of the arrays of the slice; see `ShapeSource`."""
         if self.index is None:
             return file_digest(self.path)
         with unchanged(self.path):
@@ -114,7 +114,7 @@ class SliceFile:
         return self.path
 
     def digest(self) -> str:
-        """See `Source`."""
+        """See `ShapeSource`."""
         try:
             source = slice_in_file(self.path).source
         except FileError:  # reading will say why
@@ -149,7 +149,7 @@ class SpectreSlice:
         return f"{', '.join(self.paths)} (t = {self.time:.9g})"
 
     def digest(self) -> str:
-        """Hash of the data at this time; see `Source`."""
+        """Hash of the data at this time; see `ShapeSource`."""
         digests = []
         for path in self.paths:
             with unchanged(path):
