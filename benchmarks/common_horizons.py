@@ -207,7 +207,7 @@ def scales(masses, at):
             step *= 0.5
             continue
         found = StarSurface(guess.center, guess.harmonics, solution.iterate.f)
-        near, s = recentered(found, False), s + step
+        near, s = recentered(found), s + step
         path.append((s, near))
     return path
 

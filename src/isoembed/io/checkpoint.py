@@ -1,13 +1,12 @@
 """Reading and writing of checkpoints, as NumPy archives."""
 
 import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from isoembed.io import npz
-from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
+from isoembed.io.files import FileError, Writer, check_ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
 from isoembed.progress.checkpoints import Checkpoint
@@ -43,14 +42,11 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
         tables = npz.read(file)
     if "stage" in tables and "key" not in tables:
         raise FileError(f"{file} is a checkpoint of an earlier isoembed, which this version cannot resume")
-    texts = {name: _scalar(tables, name, "U", file) for name in TEXTS}
-    tolerance = _scalar(tables, TOLERANCE, "f", file)
-    fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])
-    arrays, state = (
-        {name.removeprefix(prefix): array for name, array in tables.items() if name.startswith(prefix)}
-        for prefix in (KEPT, STATE)
-    )
-    return Checkpoint(texts["key"], arrays, state, fingerprint, _scalar(tables, FACTORIZATIONS, "i", file))
+    scalar = partial(npz.scalar, tables, otherwise=f"{file} is not a checkpoint")
+    texts = {name: scalar(name, "U") for name in TEXTS}
+    fingerprint = Fingerprint(texts["metric"], texts["method"], scalar(TOLERANCE, "f"), texts["version"])
+    arrays, state = (npz.with_prefix(tables, prefix) for prefix in (KEPT, STATE))
+    return Checkpoint(texts["key"], arrays, state, fingerprint, scalar(FACTORIZATIONS, "i"))
 
 
 def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
@@ -91,11 +87,3 @@ def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> No
     """
     check_output(path, CHECKPOINT_ENDINGS)
     write_atomically({Path(path): checkpoint_writer(checkpoint)})
-
-
-def _scalar(tables: Tables, name: str, kind: str, file: InputFile) -> Any:
-    """Scalar entry of the given dtype kind."""
-    value = tables.get(name)
-    if not isinstance(value, np.ndarray) or value.shape != () or value.dtype.kind != kind:
-        raise FileError(f"{file} is not a checkpoint: it has no {name!r}")
-    return value.item()

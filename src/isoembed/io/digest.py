@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.io.files import FileError, open_input
-
-BLOCK = 1 << 20  # bytes hashed at once
+from isoembed.io.files import FileError, open_input, reading
 
 
 def file_digest(path: str | os.PathLike[str]) -> str:
@@ -69,10 +67,7 @@ def file_state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
 @lru_cache(maxsize=4096)
 def _hashed(path: Path, state: tuple[int, int] | None) -> str:
     sha = hashlib.sha256()
-    with open_input(path) as file:
-        try:
-            while block := file.read(BLOCK):
-                sha.update(block)
-        except OSError as error:
-            raise FileError(f"cannot read {path}: {error.strerror}") from None
+    with open_input(path) as file, reading(path):
+        while block := file.read(1 << 20):
+            sha.update(block)
     return sha.hexdigest()

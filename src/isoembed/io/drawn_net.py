@@ -24,14 +24,7 @@ from isoembed.thresholds import rounded_up
 
 SNAP = 1e-6  # of the size of the drawing: distance at which ends are joined if not all coincide
 UNITS = 4.0  # of the last digit: possible difference of rounded points and of lengths between them
-NEAR = 3.0  # text heights: a number farther from a side does not belong to it
-ALONG = 30.0  # text heights: penalty for numbers written across a side
-SAME_PERIMETER = 1e-3  # relative, between the two sampled curves of a D-form
-COARSE = 1e-3  # relative to a length: above, the digits may be too few to distinguish sides
 MOST_SAID = 3  # numbers listed in a message
-GAP = 0.01  # of the size of the drawing, between lines that may be meant to meet
-MOST_POINTS = 2000  # of a drawing searched for gaps
-MOST_SIDES = 40  # of a sheet whose gluings are enumerated
 
 Pair = tuple[Side, Side]
 
@@ -72,7 +65,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
 def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
     """End of an error message: the smallest gap between lines, if a tolerance that closes it helps."""
     lines = [line.points for line in drawing.lines if line.purpose in ("", CUT, FOLD)]
-    if not lines or sum(map(len, lines)) > MOST_POINTS:
+    if not lines or sum(map(len, lines)) > 2000:  # too many pairs
         return ""
     ends = np.concatenate([np.stack([points[:-1], points[1:]], axis=1) for points in lines])
     points = np.unique(ends.reshape(-1, 2), axis=0)
@@ -84,7 +77,8 @@ def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
     apart[apart <= max(SNAP * size, tolerance or 0.0)] = np.inf
     p = int(np.argmin(nearest := apart.min(axis=1)))
     gap, (x, y) = float(nearest[p]), points[p].tolist()
-    for share in (1.1, 2.2) if gap <= GAP * size else ():  # gap of points, and of lengths between them
+    # Lines up to 1 % of the drawing apart may be meant to meet; lengths between points have twice the gap.
+    for share in (1.1, 2.2) if gap <= 0.01 * size else ():
         word = f"{float(rounded_up(share * gap)):g}"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", MeshNote)
@@ -161,7 +155,7 @@ def _graph(lines: Sequence[Line], tolerance: float, near: float) -> LineGraph:
 def _dform(first: Floats, second: Floats, tolerance: float | None) -> Net:
     """D-form of two curved outlines, glued from their first points on."""
     around = [float(side_lengths(points).sum()) for points in (first, second)]
-    allowed = SAME_PERIMETER * around[0] if tolerance is None else tolerance
+    allowed = 1e-3 * around[0] if tolerance is None else tolerance  # the curves are sampled
     if abs(around[1] - around[0]) > allowed:
         raise InvalidMetric(
             f"two curves that are glued all around are {around[0]:.6g} and {around[1]:.6g} mm long, which "
@@ -293,12 +287,12 @@ def _numbered(
     apart = np.hypot(*np.moveaxis(away - part[..., None] * step, 2, 0))
     inward = step[:, 0] * away[..., 1] - step[:, 1] * away[..., 0] > 0
     heights = np.array([one.height for one in written])
-    close = (apart <= NEAR * heights[:, None]).any(axis=1)
+    close = (apart <= 3.0 * heights[:, None]).any(axis=1)  # others belong to no side
     cost = np.where(inward, apart, 2 * apart + heights[:, None])
     angles = np.radians([one.angle for one in written])
     if angles.any():  # numbers are written along their sides
         turned = np.abs(np.sin(angles[:, None] - np.arctan2(step[:, 1], step[:, 0])))
-        cost += ALONG * heights[:, None] * turned
+        cost += 30.0 * heights[:, None] * turned
     cost = cost[close]
     rows, columns = linear_sum_assignment(cost)
     texts = [one.text.strip() for one, near in zip(written, close, strict=True) if near]
@@ -341,7 +335,7 @@ def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> di
 def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float) -> list[Pair]:
     """Pairs of the unique convex gluing of one sheet that extends the given pairs."""
     outline = _outline(sheets)
-    if outline is None or len(outline) > MOST_SIDES:
+    if outline is None or len(outline) > 40:  # too many to enumerate
         raise _no_mate(sheets, left, tolerance)
     number = {side: k for k, side in enumerate(outline)}
     numbered = {tuple(sorted((number[one], number[other]))) for one, other in pairs}
@@ -381,7 +375,7 @@ def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: in
     digits = (
         ", or if their lengths differ, draw with more digits: lengths that differ by less than "
         f"{tolerance:.2g} mm are not distinguished"
-        if tolerance > COARSE * length
+        if tolerance > 1e-3 * length
         else ""
     )
     return InvalidParameter(

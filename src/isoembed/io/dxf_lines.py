@@ -14,7 +14,7 @@ from isoembed.errors import warn_of_mesh
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError, first_line
 from isoembed.io.input_file import InputFile
-from isoembed.io.svg_path import LARGEST
+from isoembed.io.svg_path import FLATNESS, LARGEST, MOST_READ
 
 APPLICATION = "ISOEMBED"
 """Application name of an entity's extended data, which hold the fold angle."""
@@ -22,10 +22,8 @@ PROPERTIES = ("kerf", "error")
 """Properties of a drawing in mm: the kerf (outlines are offset by half of it) and the error of the points."""
 ANY_SURFACE = "any_surface"
 """Property of drawings in which sides without a number are a boundary."""
-FLATNESS = 1e-4  # distance between a curve and its chords, relative to its extent
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
-MOST_READ = 100_000  # entities, counted once per insertion: nested blocks can make billions
 DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, OverflowError)
 """Exceptions raised by ezdxf for damaged files, besides its own."""
 

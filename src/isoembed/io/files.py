@@ -1,11 +1,12 @@
 """File errors in one sentence each, and atomic writing."""
 
+import contextlib
 import os
 import secrets
 import shutil
 import stat
 import tempfile
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,7 +20,6 @@ Writer = Callable[[Path], object]
 
 
 QUOTED = 120  # characters quoted from another package's message, which may contain a whole damaged file
-TRIAL = 4096  # bytes: even a full disk accepts an empty file
 
 
 class FileError(ValueError):
@@ -115,7 +115,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
         raise FileError(f"cannot write {path}: no permission to write in {target.parent}")
     try:
         with tempfile.TemporaryFile(dir=target.parent) as trial:
-            trial.write(bytes(TRIAL))
+            trial.write(bytes(4096))  # even a full disk accepts an empty file
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror}") from None
     if target.exists() and not _may_replace(target):
@@ -145,6 +145,25 @@ def open_input(path: Path) -> BinaryIO:
         raise FileError(f"{path} is a folder, not a file") from None
     except OSError as error:
         raise FileError(f"cannot read {path}: {error.strerror}") from None
+
+
+@contextlib.contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Context manager in which errors of reading a file become a `FileError`.
+
+    Raises
+    ------
+    FileError
+        The operating system refused, or the contents are damaged.
+    """
+    try:
+        yield
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from None
+    except (StopIteration, ValueError, KeyError, TypeError, IndexError):
+        raise FileError(f"{path} is cut short or damaged") from None
 
 
 def write_atomically(writers: Mapping[Path, Writer]) -> None:

@@ -22,7 +22,7 @@ from isoembed.io.strips import fan_triangles, strip_triangles
 from isoembed.metric.precision import SINGLE
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; lower ones are points and lines
+TRIANGLES, STRIP = 4, 5  # modes of primitives; lower ones are points and lines, and 6 is a fan
 UNKNOWN = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing")
 """Extensions without which the triangles cannot be read."""
 
@@ -116,7 +116,7 @@ class _Document:
         primitive = _object(primitive, "a primitive")
         mode = primitive.get("mode", TRIANGLES)
         attributes = _object(primitive.get("attributes"), "the vertex data of a primitive")
-        if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in attributes:
+        if mode not in (TRIANGLES, STRIP, 6) or "POSITION" not in attributes:
             return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
         points = self.accessor(attributes["POSITION"], "VEC3", 3).astype(np.float64)
         corners = np.arange(len(points))

@@ -31,23 +31,28 @@ def array_of(data: Any, path: object) -> Any:
     FileError
         The array is larger than its stored bytes permit.
     """
-    check_expansion(f"{data.name} of {path}", data.nbytes, data.id.get_storage_size())
+    check_data_set(data, path, data.nbytes)
     return data[()]
+
+
+def check_data_set(data: Any, path: object, size: int) -> None:
+    """Raise a `FileError` if a part of a data set, of a given size in bytes, expands too far."""
+    check_expansion(f"{data.name} of {path}", size, data.id.get_storage_size())
 
 
 def listing(file: Any) -> str:
     """Description of the data sets of a file, or of its groups if it has none, for error messages."""
     sets: list[str] = []
     groups: list[str] = []
-    file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(_written(name)))
+    file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(text_of(name)))
     if not sets:
         return f"no data sets, but the groups {enumerated(groups)}" if groups else "nothing"
     return f"the data sets {enumerated(sets)}"
 
 
-def _written(name: str | bytes) -> str:
-    """Decoded name; some damaged files hold bytes."""
-    return name if isinstance(name, str) else name.decode("utf-8", errors="replace")
+def text_of(value: Any) -> str:
+    """Text of a name or an attribute, which may be bytes."""
+    return value.decode("utf-8", errors="replace") if isinstance(value, bytes) else str(value)
 
 
 def enumerated(names: Collection[str]) -> str:

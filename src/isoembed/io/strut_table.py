@@ -27,8 +27,6 @@ from isoembed.typed_numbers import MILLIMETERS, split_unit, ungrouped
 
 LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
-ONE_DIGIT = 0.03
-"""Standard deviation, in mean lengths, above which decimals have one digit only, and are exact."""
 ERRORS = ("length error", "error", "sigma", "standard deviation")
 """Columns of standard deviations of the lengths: the first of these that a table has."""
 UNIT = re.compile(r"\s*[(\[]([^()\[\]]*)[)\]]$")
@@ -51,13 +49,8 @@ COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
 BLANK = re.compile("[\u00a0\u202f]")
 """Blanks that do not break, between thousands."""
-FEWEST = 30
-"""Struts from which on their lengths are taken as rounded: in fewer, nothing is overdetermined that a smooth
-surface could average."""
 LONGEST_QUOTE = 40
 """Characters of a file's text in a message."""
-MOST_NAMED = 12
-"""Hubs that a note names one by one."""
 DECIMALS = re.compile(r"[+-]?\d*(?:\.(\d*))?")
 
 
@@ -311,7 +304,7 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
     """Warn where the names of the hubs are not the numbers of their vertices."""
     if hubs == [str(k) for k in range(len(hubs))]:
         return
-    few = len(hubs) <= MOST_NAMED
+    few = len(hubs) <= 12
     some = range(len(hubs)) if few else [0, 1, 2, len(hubs) - 1]
     named = [f"hub {hubs[k][:LONGEST_QUOTE]} is vertex {k}" for k in some]
     if not few:
@@ -476,7 +469,7 @@ def _turned_alike(
 
 def _error(written: Collection[str], lengths: np.ndarray) -> float:
     """Standard deviation of lengths from their last digit; 0 where they are taken as exact."""
-    if len(written) < FEWEST:
+    if len(written) < 30:  # nothing is overdetermined that a smooth surface could average
         return 0.0
     if len(set(written)) == 1:  # of one length, a triangle is regular, whatever its digits
         return 0.0
@@ -486,7 +479,8 @@ def _error(written: Collection[str], lengths: np.ndarray) -> float:
     unit = common_unit(lengths, 10.0 ** -max(len(found[1] or "") for found in decimals if found))
     error = unit / math.sqrt(12)
     exact = unit < 10.0 ** (math.floor(math.log10(lengths.max())) + 1 - PRECISION.most)
-    coarse = COARSE if unit == 1.0 else ONE_DIGIT  # small whole numbers are a design
+    # Decimals of one digit are exact, and small whole numbers are a design.
+    coarse = COARSE if unit == 1.0 else 0.03
     return 0.0 if exact or error > coarse * lengths.mean() else error
 
 

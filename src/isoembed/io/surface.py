@@ -30,8 +30,6 @@ from isoembed.space.models import to_model
 from isoembed.surface.flat_faces import FlatFaces
 from isoembed.surface.measures import volume
 
-PLANE = 1e-12  # distance of corners from a plane due to rounding, relative to the size of the polygon
-
 
 def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding:
     """Read a surface.
@@ -193,7 +191,7 @@ def _cut_as(
     cut = PolygonFaces(points, np.concatenate(polygons), sizes)
     own = np.split(cut.triangles(), np.cumsum(sizes - 2)[:-1])
     whole = [len(some) == len(parts) for some, parts in zip(own, triangles, strict=True)]
-    flat = ~cut.warped(error, PLANE) & whole
+    flat = ~cut.warped(error, 1e-12) & whole  # rounding, relative to the size of a polygon
     near = ~cut.warped(error) & whole
     return flat.tolist(), [
         bool(is_near) and _corners(some) == _corners(parts)

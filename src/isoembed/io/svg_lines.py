@@ -16,11 +16,10 @@ from isoembed.errors import warn_of_mesh
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
-from isoembed.io.svg_path import LARGEST, number, path_points
+from isoembed.io.svg_path import LARGEST, MOST_READ, number, path_points
 
 MOST_BYTES = 50_000_000
 MOST_NESTED = 50  # levels of elements and references
-MOST_READ = 100_000  # elements, counted once per use: nested references can make billions
 PIXEL = 25.4 / 96  # mm
 UNITS = {
     "": PIXEL,
@@ -38,7 +37,7 @@ HREF = "{http://www.w3.org/1999/xlink}href"
 NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"  # possessive: matches in linear time
 CURVED = re.compile("[CcSsQqTtAa]")
 ANCHORS = {"start": 0.5, "middle": 0.0, "end": -0.5}
-WIDTH, HEIGHT = 0.56, 0.72  # of a digit, relative to the font size
+HEIGHT = 0.72  # of a digit, relative to the font size
 
 
 @dataclass(frozen=True)
@@ -218,7 +217,7 @@ class _Reader:
         if inner is not element:
             style = self._styled(inner, style)
         size = style.size
-        across = ANCHORS.get(style.anchor, 0.5) * WIDTH * size * len(text)
+        across = ANCHORS.get(style.anchor, 0.5) * 0.56 * size * len(text)  # of the width of digits
         down = _first(element.get("dy")) - HEIGHT / 2 * size
         at = np.array([_first(inner.get("x")) + across, _first(inner.get("y")) + down])
         x, y = style.matrix[:, :2] @ at + style.matrix[:, 2]

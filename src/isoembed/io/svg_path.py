@@ -12,6 +12,7 @@ FLAG = re.compile("[01]")
 COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 LARGEST = 1e30
 FLATNESS = 1e-4  # distance between a curve and its chords, relative to its extent
+MOST_READ = 100_000  # elements of a drawing, counted once per use: nested references can make billions
 
 
 def path_points(d: str) -> tuple[list[tuple[Floats, bool]], Floats, int]:

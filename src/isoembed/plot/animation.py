@@ -17,9 +17,9 @@ from isoembed.plot.coloring import mean_curvature
 from isoembed.plot.drawn import Drawn
 from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.film import ANSWER, Frame
-from isoembed.plot.infinity import ball, draw_infinity
+from isoembed.plot.infinity import ball
 from isoembed.plot.panel import Panel
-from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
+from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw_view
 from isoembed.plot.view import View, camera
 
 IMAGES_PER_SECOND = 10  # of a film file
@@ -125,8 +125,7 @@ def _values(embedding: Embedding, vertices: Floats) -> Floats:
 
 def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     """Rendered images as pixels, (height, width, 3), in order."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from isoembed.plot.windowless import WindowlessFigure
 
     shown = mean_curvature(embedding)
     scale = color_scale(*shown.bounds)
@@ -143,29 +142,17 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     tall = WIDTH * height / (2 * size) + FOOT + HEAD
     tall = 2 * round(tall * DPI / 2) / DPI  # films require even heights
     for image in images:
-        picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
-        canvas = FigureCanvasAgg(picture)
+        picture = WindowlessFigure(WIDTH, tall, facecolor=PAPER, dpi=DPI)
         axes = picture.add_axes((0.0, FOOT / tall, 1.0, 1 - (FOOT + HEAD) / tall))
         panel = Panel.of(drawn, image.vertices, replace(shown, values=image.values))
-        view = View.of(panel.vertices, panel.faces, pose, image.turn)
-        draw_infinity(axes, view, panel.infinity)
-        draw(
-            axes,
-            view,
-            panel.face_values,
-            scale,
-            panel.seams,
-            outlines=panel.outlines,
-            boundary=panel.boundary,
-        )
+        draw_view(axes, View.of(panel.vertices, panel.faces, pose, image.turn), panel, scale)
         axes.set_xlim(-1.02 * size, 1.02 * size)
         axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(
             0.5, 1 - 0.5 * HEAD / tall, image.heading, ha="center", va="center", fontsize=12, color=INK
         )
         picture.text(0.5, 0.5 * FOOT / tall, image.caption, ha="center", va="center", fontsize=9, color=INK)
-        canvas.draw()
-        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        yield picture.pixels()
 
 
 def pixels_writer(path: str | os.PathLike[str], pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:

@@ -79,7 +79,6 @@ class Quantity:
 
 MEAN_CURVATURE, GAUSSIAN_CURVATURE = "mean curvature", "Gaussian curvature"
 SIDES = "sides"
-FEW_FACES = 200  # polyhedra with more faces look smooth
 
 
 def mean_curvature(embedding: Embedding) -> Quantity:
@@ -171,7 +170,8 @@ QUANTITIES = {
 def usual(embedding: Embedding) -> str:
     """Default quantity: number of sides on a polyhedron with few faces, otherwise the mean curvature."""
     faces = embedding.surface.flat_faces
-    return SIDES if isinstance(faces, FlatFaces) and len(faces) <= FEW_FACES else MEAN_CURVATURE
+    # Polyhedra with more faces look smooth.
+    return SIDES if isinstance(faces, FlatFaces) and len(faces) <= 200 else MEAN_CURVATURE
 
 
 def quantities(embedding: Embedding, given: Mapping[str, Quantity] = EMPTY) -> tuple[Quantity, ...]:

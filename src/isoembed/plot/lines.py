@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.plot.view import View
 from isoembed.surface.segments import Segments
+
+if TYPE_CHECKING:
+    from matplotlib.collections import PolyCollection
 
 
 class Shapes(NamedTuple):
@@ -29,6 +32,20 @@ class Shapes(NamedTuple):
     fills: Floats
     rims: Floats
     widths: Floats
+
+    def collection(self, opacity: float = 1.0) -> PolyCollection:
+        """Collection for matplotlib."""
+        from matplotlib.collections import PolyCollection
+
+        return PolyCollection(
+            self.polygons,
+            facecolors=self.fills,
+            edgecolors=self.rims,
+            linewidths=self.widths,
+            joinstyle="round",
+            alpha=None if opacity == 1.0 else opacity,
+            clip_on=False,  # silhouette edges have a width
+        )
 
 
 def among_faces(view: View, faces: Shapes, lines: Sequence[tuple[Segments, Floats, float]]) -> Shapes:

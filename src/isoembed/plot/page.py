@@ -46,14 +46,10 @@ from isoembed.strict_json import plain
 from isoembed.surface.flat_faces import FlatFaces
 
 MAX_FRAMES = 40  # in a page
-MAX_BYTES = 6_000_000  # of all frames of a page but the last, before base64 encoding
-
-
 LEAPT = (
     "This method reached the surface in one step, without intermediate surfaces; the method 'paper' has them."
 )
 ALONE = "This method has no intermediate surfaces."
-LARGER = 1.25  # half diameters of the final surface that fit into the picture
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # interpolated by the browser
 UNITS = {
@@ -171,7 +167,8 @@ def _data(
     own = not earlier and has_own_lengths(embedding)
     shown = [q for q in quantities(embedding, given) if not (own and q.name == "residual")]
     size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
-    limit = int(min(MAX_FRAMES, 1 + MAX_BYTES // size))
+    # All frames but the last have at most 6 MB, before base64 encoding.
+    limit = int(min(MAX_FRAMES, 1 + 6_000_000 // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose, seams = _pose(drawn, [earlier[k] for k in chosen[:-1]]), drawn.seams_in_space().ends
     edges = pieces.edges_of_faces()  # the script finds them in this order
@@ -257,7 +254,8 @@ def _pose(drawn: Drawn, frames: Sequence[Frame]) -> Pose:
     pose = drawn.pose(vertices)
     if drawn.space.is_euclidean:
         reach = max((np.linalg.norm(pose.put(one.vertices), axis=1).max() for one in frames), default=1.0)
-        return pose if reach < LARGER else replace(pose, size=pose.size * float(reach))
+        # Surfaces up to a quarter larger than the final one fit into the picture.
+        return pose if reach < 1.25 else replace(pose, size=pose.size * float(reach))
     return Pose(np.zeros(3), pose.axes, float(np.linalg.norm(drawn.points(vertices), axis=1).max()))
 
 

@@ -32,18 +32,15 @@ if TYPE_CHECKING:
 
 
 WIDTH, DPI = 8.0, 220  # inches, dots per inch
-COLORS, DARKEST = "viridis", 0.14  # monotone in lightness, for color blindness and gray printing
 SHADES = 256
-UNKNOWN = 0.72  # gray level of undefined values
 MARGINS = 0.9  # inches, below with the caption and above
 SHARE = 0.82  # of the width; the rest holds the color bar
 MIDDLE, LONGEST = 0.43, 0.96  # of a caption, as shares of the width
-TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """Metadata without dates, for reproducible files."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
-OUTLINE, SEWN, RIM = 0.8, 1.2, 1.4  # widths of edges, of seams and of boundaries
+SEWN = 1.2  # width of seams
 
 
 def figure(
@@ -143,7 +140,11 @@ def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
     colors : matplotlib.cm.ScalarMappable
         Map from values to colors: a `color_scale`, or the caller's own.
     """
-    view = View.of(panel.vertices, panel.faces, panel.pose)
+    draw_view(axes, View.of(panel.vertices, panel.faces, panel.pose), panel, colors)
+
+
+def draw_view(axes: Axes, view: View, panel: Panel, colors: ScalarMappable) -> None:
+    """Draw a surface in a given view; see `draw_panel`."""
     draw_infinity(axes, view, panel.infinity)
     draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines, boundary=panel.boundary)
 
@@ -217,23 +218,14 @@ def _row(
     if len(surfaces) > 1:
         left, right = left - GAP * (right - left), right + GAP * (right - left)
     across = SHARE * WIDTH / len(surfaces)
-    above = TITLE if any(panel.title for panel in surfaces) else 0.0
+    above = 0.35 if any(panel.title for panel in surfaces) else 0.0  # inches, for titles
     height = max(across * (top - bottom) / (right - left), 0.3 * WIDTH / len(surfaces))
     total = height + MARGINS + above
     picture = WindowlessFigure(WIDTH, total, facecolor=PAPER)
     foot, share = 0.72 * MARGINS / total, height / total
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
-        draw_infinity(axes, view, panel.infinity)
-        draw(
-            axes,
-            view,
-            panel.face_values,
-            scale,
-            panel.seams,
-            outlines=panel.outlines,
-            boundary=panel.boundary,
-        )
+        draw_view(axes, view, panel, scale)
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
         if panel.title:
@@ -285,7 +277,8 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
     if scale == "linear" and low < 0 < high:
         shades = ListedColormap(diverging(SHADES, low, high))
     else:
-        shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, SHADES)))
+        # Monotone in lightness, for color blindness and gray printing.
+        shades = ListedColormap(colormaps["viridis"](np.linspace(0.14, 1.0, SHADES)))
     return ScalarMappable((LogNorm if scale == "log" else Normalize)(low, high), shades)
 
 
@@ -330,31 +323,22 @@ def draw(
     boundary : Segments, optional
         Edges along the boundary.
     """
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgb
 
     shown = values[view.faces]
     finite = np.isfinite(shown)[:, None]
-    shaded = view.shade(np.where(finite, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
+    shaded = view.shade(np.where(finite, scale.to_rgba(np.nan_to_num(shown))[:, :3], 0.72))  # or gray
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
     rims = shaded * (0.45 + 0.35 * np.minimum(2 * shaded.mean(axis=1, keepdims=True), 1.0))  # darker
     shapes = Shapes(list(view.polygons), shaded, rims, np.full(len(shaded), width))
     if outlines is not None:
-        drawn = [(outlines, rims, OUTLINE)] + (
-            [] if seams is None else [(seams, np.array(to_rgb(SEAM)), SEWN)]
-        )
+        drawn = [(outlines, rims, 0.8)]
+        drawn += [] if seams is None else [(seams, np.array(to_rgb(SEAM)), SEWN)]
         shapes = among_faces(view, shapes._replace(rims=shaded), drawn)
     elif boundary is not None and len(boundary.ends):
-        shapes = among_faces(view, shapes, [(boundary, np.array(to_rgb(INK)), RIM)])
-    faces = PolyCollection(
-        shapes.polygons,
-        facecolors=shapes.fills,
-        edgecolors=shapes.rims,
-        linewidths=shapes.widths,
-        joinstyle="round",
-        alpha=None if opacity == 1.0 else opacity,
-        clip_on=False,  # silhouette edges have a width
-    )
+        shapes = among_faces(view, shapes, [(boundary, np.array(to_rgb(INK)), 1.4)])
+    faces = shapes.collection(opacity)
     # With more triangles, vector files contain an image.
     faces.set_rasterized(len(view.faces) > 20_000)
     axes.add_collection(faces)

@@ -23,7 +23,7 @@ SIZE = (6.4, 5.2)  # inches, an even number of pixels
 WINDOW = (-1.75, 1.6, -1.5, 1.5)  # in units of the largest distance from the origin
 TRIAD, LENGTH = np.array([-1.4, -1.25]), 0.3  # position and size of the axes
 BAR = np.array([1.55, -1.3])  # right end of the scale bar, whose length is at most half a unit
-TIP, TAIL = 1.3, 1.15  # ends of the arrow through the surface
+TIP = 1.3  # end of the arrow through the surface
 NAME = np.array([-1.65, 1.35])  # left end of the arrow's name
 ARROW = "#c8102e"
 ORIGIN = np.zeros(3)
@@ -147,7 +147,7 @@ def draw_arrow(axes: Axes, along: Floats, vertices: Floats, center: Floats = ORI
     own, middle = vertices - center, camera()[:2] @ center
     sizes = np.linalg.norm(own, axis=1)
     radius = float(sizes.max())
-    for sign, end, mark in ((1.0, TIP, "o"), (-1.0, TAIL, "X")):
+    for sign, end, mark in ((1.0, TIP, "o"), (-1.0, 1.15, "X")):
         right, up, toward = sign * camera() @ along
         direction = np.array([right, up])
         begin = middle + sizes[np.argmax(sign * own @ along / sizes)] * direction

@@ -28,12 +28,11 @@ if TYPE_CHECKING:
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#000000", "#b8a800")
 """Colors distinguishable with color blindness (Okabe and Ito 2008), for up to eight types."""
 FACES = np.array([0.82, 0.82, 0.8])
-STRUT, DENSE = 2.6, 24.0  # points: largest width of a strut; width of a strut times root of their number
-NUMBERED = 100  # largest number of hubs that are numbered in the picture
+STRUT = 2.6  # points: largest width of a strut
 LABEL = {"boxstyle": "round,pad=0.15", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
 SHARE = 0.74  # of the width; the rest holds the legend
 LISTED = 30  # types in the legend
-ROW, FOOT = 0.24, 0.25  # inches: height of a legend row, margin of the picture
+FOOT = 0.25  # inches: margin of the picture
 
 
 def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
@@ -70,7 +69,7 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
         else [colormaps["turbo"](share)[:3] for share in np.linspace(0.05, 0.95, n)]
     )
     beside = t.edge_flanks[t.edge_indices(table.edges)] // 3
-    width = float(np.clip(DENSE / np.sqrt(len(table.edges)), 0.5, STRUT))
+    width = float(np.clip(24.0 / np.sqrt(len(table.edges)), 0.5, STRUT))
     lines = [
         (Segments(x[table.edges[table.types == k]], beside[table.types == k]), colors[k], width)
         for k in range(n)
@@ -85,9 +84,8 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     shown = n if n <= LISTED else LISTED - 1
     rows = [f"{one.name}  {one.count} x {one.length:.6g}" for one in table.struts[:shown]]
     rows += [f"and {n - shown} more types"] if shown < n else []
-    tall = (
-        max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (len(rows) + 2) / len(views)) + 2 * FOOT
-    )
+    legend = 0.24 * (len(rows) + 2)  # inches
+    tall = max(across * (high[1] - low[1]) / (high[0] - low[0]), legend / len(views)) + 2 * FOOT
     height = tall * len(views)
     picture = WindowlessFigure(WIDTH, height, facecolor=PAPER)
     for k, view in enumerate(views):
@@ -95,7 +93,7 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
             (0.01, 1 - ((k + 1) * tall - FOOT) / height, SHARE, (tall - 2 * FOOT) / height)
         )
         _draw(axes, view, lines)
-        if len(np.unique(table.edges)) <= NUMBERED:
+        if len(np.unique(table.edges)) <= 100:
             in_sight = _outside(surface, view)
             for v in in_sight[table.hub_types[in_sight] >= 0].tolist():
                 right, up = view.put(x[v])
@@ -119,21 +117,9 @@ def _outside(surface: Embedding, view: View) -> Indices:
 
 def _draw(axes: Axes, view: View, lines: Sequence[tuple[Segments, Floats, float]]) -> None:
     """Draw the faces of a view, with lines among them."""
-    from matplotlib.collections import PolyCollection
-
     shaded = view.shade(np.broadcast_to(FACES, (len(view.faces), 3)))
     faces = Shapes(list(view.polygons), shaded, shaded, np.full(len(shaded), 0.3))
-    shapes = among_faces(view, faces, lines)
-    axes.add_collection(
-        PolyCollection(
-            shapes.polygons,
-            facecolors=shapes.fills,
-            edgecolors=shapes.rims,
-            linewidths=shapes.widths,
-            joinstyle="round",
-            clip_on=False,
-        )
-    )
+    axes.add_collection(among_faces(view, faces, lines).collection())
     low, high = view.extent
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

@@ -14,8 +14,6 @@ from isoembed.surface.principal_axes import SAME, principal_axes
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
-AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
-INSIDE = 0.4  # brightness of faces seen from inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +129,7 @@ class View:
         halfway = toward + np.array([0.0, 0.0, 1.0])
         halfway /= np.linalg.norm(halfway)
         light = np.maximum(normals[front] @ toward, 0.0)
-        gloss = np.maximum(normals[front] @ halfway, 0.0) ** SHARPNESS
+        gloss = np.maximum(normals[front] @ halfway, 0.0) ** 20
         visible = faces[front] if isinstance(faces, np.ndarray) else [faces[f] for f in front.tolist()]
         flat = points[:, :2]
         polygons = flat[visible] if isinstance(visible, np.ndarray) else [flat[face] for face in visible]
@@ -149,8 +147,9 @@ class View:
 
     def shade(self, colors: Floats) -> Floats:
         """Shaded colors (n, 3) of the visible faces."""
-        lit = colors * np.where(self.inside, INSIDE, AMBIENT + DIFFUSE * self.light)[:, None]
-        return np.clip(lit + GLOSS * self.gloss[:, None], 0.0, 1.0)
+        # Ambient and diffuse light outside, less inside, and reflections.
+        lit = colors * np.where(self.inside, 0.4, 0.66 + 0.42 * self.light)[:, None]
+        return np.clip(lit + 0.14 * self.gloss[:, None], 0.0, 1.0)
 
 
 def camera(turn: float = 0.0) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from isoembed.errors import InvalidParameter
@@ -86,15 +86,20 @@ def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish)
     except MemoryError:
         key = key_of(MEMORY)
         unreadable = Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
-    stored = None if wish.again else store.find(task.label, key)
-    if stored is not None and (stored.answered or not wish.retry):
-        return Outcome(stored, computed=False, seconds=perf_counter() - start)
-    result, complaint = unreadable or _computed(task, before), ""
+    found = None if wish.again else store.find(task.label, key)
+    if found is not None and (found.answered or not wish.retry):
+        return Outcome(found, computed=False, seconds=perf_counter() - start)
+    outcome = stored(unreadable or _computed(task, before), key, store)
+    return replace(outcome, seconds=perf_counter() - start)
+
+
+def stored(result: Result, key: str, store: Store) -> Outcome:
+    """Outcome of a computed result, which is stored if possible."""
     try:
         store.keep(result, key)
     except FileError as error:
-        complaint = str(error)
-    return Outcome(result, computed=True, seconds=perf_counter() - start, complaint=complaint)
+        return Outcome(result, computed=True, complaint=str(error))
+    return Outcome(result, computed=True)
 
 
 def _computed(task: Task, before: Result | None) -> Result:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io import npz
@@ -79,14 +78,9 @@ class Result:
         """
         with InputFile(path) as file:
             tables = npz.read(file)
-        for name in TEXTS:
-            value = tables.get(name)
-            if not isinstance(value, np.ndarray) or value.shape != () or value.dtype.kind != "U":
-                raise FileError(f"{path} is not a result: it has no {name!r}")
-        label, status, text = (tables[name].item() for name in TEXTS)
+        label, status, text = (npz.scalar(tables, name, "U", f"{path} is not a result") for name in TEXTS)
         try:
             report = json.loads(text)
         except ValueError as error:
             raise FileError(f"{path} is not a result: its report is not JSON: {error}") from None
-        arrays = {name.removeprefix(ARRAY): table for name, table in tables.items() if name.startswith(ARRAY)}
-        return cls(label, status, report, arrays)
+        return cls(label, status, report, npz.with_prefix(tables, ARRAY))

@@ -10,13 +10,12 @@ from itertools import islice
 
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
-from isoembed.runs.chunk import MISSING, Outcome, Wish, solve_chunk, solved
+from isoembed.runs.chunk import MISSING, Outcome, Wish, solve_chunk, solved, stored
 from isoembed.runs.result import FAILED, Result
 from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
 CHUNK = 8  # tasks: the first task of a chunk has no predecessor to start from
-PARTS = 8  # chunks of short runs, to occupy many processes
 
 
 @dataclass(frozen=True)
@@ -143,16 +142,12 @@ def _aborted(task: Task, error: BaseException, store: Store | None) -> Outcome:
         key = key_of(task.digest())
     except (FileError, InvalidParameter, MemoryError):
         key = key_of(why)
-    try:
-        store.keep(result, key)
-    except FileError as complaint:
-        return Outcome(result, computed=True, complaint=str(complaint))
-    return Outcome(result, computed=True)
+    return stored(result, key, store)
 
 
 def chunk_of(tasks: int) -> int:
     """Chunk size for a number of tasks; independent of anything else, for reproducible results."""
-    return min(max(tasks // PARTS, 1), CHUNK)
+    return min(max(tasks // 8, 1), CHUNK)  # eight chunks of a short run occupy many processes
 
 
 def _chunks(tasks: Iterable[Task], size: int) -> Iterator[tuple[Task, ...]]:

@@ -9,8 +9,6 @@ from typing import Any, Protocol
 from isoembed.runs.result import Result
 from isoembed.version import __version__
 
-DIGITS = 16  # hexadecimal: two of a million results have the same key once in 10 million runs
-
 
 class Task(Protocol):
     """One computation of many; must be picklable, and holds paths rather than file contents."""
@@ -53,4 +51,5 @@ class Task(Protocol):
 
 def key_of(text: str) -> str:
     """Key of a result: digest of everything that affects it, including the version of isoembed."""
-    return hashlib.sha256(f"{__version__} {text}".encode()).hexdigest()[:DIGITS]
+    # Two of a million results have the same 16 hexadecimal digits once in 10 million runs.
+    return hashlib.sha256(f"{__version__} {text}".encode()).hexdigest()[:16]

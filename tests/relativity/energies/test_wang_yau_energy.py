@@ -18,8 +18,7 @@ EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
-    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "DEGREES", (12, 12))
 
 
 def closed_form(r, b):
@@ -161,7 +160,6 @@ def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
 
 
 def test_a_degree_that_does_not_resolve_the_surface(monkeypatch):
-    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 4)
-    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 4)
+    monkeypatch.setattr(wang_yau_search, "DEGREES", (4, 4))
     with pytest.raises(NotEmbedded, match="harmonics up to degree 4 have an error"):
         wang_yau(KerrNewmanSphere(1.7, 1.0, 0.95).data())

@@ -14,8 +14,7 @@ from spacelike import directions, minkowski
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
-    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "DEGREES", (12, 12))
 
 
 def test_zero_for_surfaces_of_minkowski_space():

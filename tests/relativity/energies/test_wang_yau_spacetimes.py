@@ -26,8 +26,7 @@ EAST = np.sqrt(4.0 * np.pi / 3.0)  # times the harmonic of degree 1 is z
 @pytest.fixture
 def few_harmonics(monkeypatch):
     """Fewer harmonics of X than by default, which are enough here."""
-    monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 12)
-    monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 12)
+    monkeypatch.setattr(wang_yau_search, "DEGREES", (12, 12))
 
 
 @pytest.mark.usefixtures("few_harmonics")

@@ -18,10 +18,10 @@ def pair(d):
 def least(d, near):
     """The leaf of least expansion near a horizon of a slice nearby."""
     outer, inner = (
-        constant_expansion_surface(pair(d), leaf, symmetric=True)
+        constant_expansion_surface(pair(d), leaf)
         for leaf in (StarSurface(near.center, near.harmonics, s * near.coefficients) for s in (1.2, 0.9))
     )
-    return least_expansion(pair(d), outer, inner, symmetric=True, settled=1e-6)
+    return least_expansion(pair(d), outer, inner, settled=1e-6)
 
 
 @pytest.mark.slow

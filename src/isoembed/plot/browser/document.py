@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 from isoembed.io.files import Writer
@@ -45,7 +44,8 @@ class Document:
     def writer(self) -> Writer:
         """Writer of the page; see `isoembed.io.write_atomically`."""
         text = self.text
-        return lambda temporary: _write(temporary, text)
+        # File names may contain any bytes.
+        return lambda temporary: temporary.write_text(text, encoding="utf-8", errors="replace")
 
     @property
     def text(self) -> str:
@@ -71,7 +71,3 @@ class Document:
 def _hash(text: str) -> str:
     """Hash of a style or script for the page's content security policy."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", errors="replace")  # file names may contain any bytes

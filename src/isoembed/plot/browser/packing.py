@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 
-MISSING, LAST = 65535, 65534  # 16-bit codes: no value, and the largest value
-
 
 class Packed:
     """Concatenated little-endian arrays, aligned to four bytes."""
@@ -37,12 +35,12 @@ class Packed:
         return {**self.add(np.where(finite, values, np.nan) / step), "low": 0.0, "step": step}
 
     def add_short(self, values: Floats) -> dict[str, Any]:
-        """Append floats as 16-bit integers; values are ``low + step * entry``."""
+        """Append floats as 16-bit integers; values are ``low + step * entry``, and 65535 denotes none."""
         finite = np.isfinite(values)
         low = float(values[finite].min(initial=np.inf)) if finite.any() else 0.0
         high = float(values[finite].max(initial=-np.inf)) if finite.any() else 0.0
-        step = (high - low) / LAST or 1.0
-        entries = np.where(finite, np.rint((np.where(finite, values, low) - low) / step), MISSING)
+        step = (high - low) / 65534 or 1.0
+        entries = np.where(finite, np.rint((np.where(finite, values, low) - low) / step), 65535)
         return {**self.add(entries.astype(np.uint16)), "low": low, "step": step}
 
     @property

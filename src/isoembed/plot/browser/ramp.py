@@ -10,12 +10,6 @@ import numpy as np
 
 from isoembed.arrays import Floats
 
-LIGHTNESS = (0.36, 0.93)
-HUE = (292.0, 102.0)  # degrees
-ZERO, FAR = 0.92, 0.50  # lightness at zero, and at the value farthest from it
-BLUE, ORANGE, STRONG = 252.0, 45.0, 0.145  # degrees, degrees, chroma
-CHROMA = (0.102, 0.17, 0.4)  # minimum, growth and position of the minimum: just within the sRGB gamut
-
 # Ottosson's matrices: from L, a, b to cube roots of cone responses, and from cone responses to linear RGB.
 TO_CONES = np.array(
     [
@@ -42,9 +36,8 @@ def ramp(count: int) -> list[str]:
         Number of evenly spaced colors.
     """
     share = np.linspace(0.0, 1.0, count)
-    lightness, hue = (low + (high - low) * share for low, high in (LIGHTNESS, np.radians(HUE)))
-    minimum, growth, place = CHROMA
-    chroma = minimum + growth * (share - place) ** 2
+    lightness, hue = (low + (high - low) * share for low, high in ((0.36, 0.93), np.radians((292.0, 102.0))))
+    chroma = 0.102 + 0.17 * (share - 0.4) ** 2  # just within the sRGB gamut
     return _hexadecimal(lightness, chroma, hue)
 
 
@@ -54,9 +47,9 @@ def diverging(count: int, low: float, high: float) -> list[str]:
     Values of equal magnitude have equally strong colors.
     """
     share = np.linspace(low, high, count) / max(-low, high)
-    lightness = ZERO + (FAR - ZERO) * np.abs(share)
-    hue = np.radians(np.where(share < 0, BLUE, ORANGE))
-    return _hexadecimal(lightness, STRONG * np.sqrt(np.abs(share)) * np.minimum(1.0, 4 * np.abs(share)), hue)
+    lightness = 0.92 + (0.50 - 0.92) * np.abs(share)
+    hue = np.radians(np.where(share < 0, 252.0, 45.0))
+    return _hexadecimal(lightness, 0.145 * np.sqrt(np.abs(share)) * np.minimum(1.0, 4 * np.abs(share)), hue)
 
 
 def _hexadecimal(lightness: Floats, chroma: Floats, hue: Floats) -> list[str]:

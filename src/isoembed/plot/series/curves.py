@@ -36,10 +36,6 @@ FIGURES = {
 """Figures of a run by name, with the columns shown in their panels."""
 LOGARITHMIC = ("residual",)
 STYLES: dict[str, Any] = {"axis_x": "-", "axis_y": (0, (5, 1.5)), "axis_z": (0, (1, 1.2))}
-WIDTHS = (1.9, 0.9, 1.2)  # points, of lines of successive series: hidden lines stay visible
-WIDTH, PANEL, STRIP = 6.4, 1.55, 0.17  # inches: figure width; heights of a panel and of a row of outcomes
-
-
 BAND = 1.0  # largest extent of error bands beyond the values, relative to their range
 MARGIN = 0.06  # space above and below the lines, relative to the range
 
@@ -81,12 +77,12 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
 
     parts, along = table.series, Abscissa.of(table)
     has_failures = any(status != "embedded" for status in table.statuses)
-    strip = STRIP * (len(parts) + 1.5) if has_failures else 0.0
-    heights = [PANEL] * len(shown) + ([strip] if has_failures else [])
-    picture = WindowlessFigure(WIDTH, sum(heights) + 0.9, facecolor=PAPER, layout="constrained")
+    # Inches: 1.55 for a panel, 0.17 for a row of outcomes.
+    heights = [1.55] * len(shown) + ([0.17 * (len(parts) + 1.5)] if has_failures else [])
+    picture = WindowlessFigure(6.4, sum(heights) + 0.9, facecolor=PAPER, layout="constrained")
     grid = picture.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     colors = colors_of(parts)
-    widths = dict(zip(parts, cycle(WIDTHS), strict=False))
+    widths = dict(zip(parts, cycle((1.9, 0.9, 1.2)), strict=False))  # hidden lines stay visible
     for name, axes in zip(shown, grid, strict=False):
         curves = [
             _Curve(

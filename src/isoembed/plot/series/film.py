@@ -20,7 +20,7 @@ from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
 from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, facts_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
-from isoembed.plot.series.scenes import Scene, evenly, scenes
+from isoembed.plot.series.scenes import Scene, evenly, joined, scenes
 from isoembed.plot.view import Pose, View, camera
 from isoembed.runs.result import Result
 
@@ -30,16 +30,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SHOWN = "mean_curvature"
-SIZE, DPI = (7.2, 6.0), 100  # inches, dots per inch: even numbers of pixels
+SIZE = (7.2, 6.0)  # inches: even numbers of pixels
 PLACE = (0.0, 0.13, 0.86, 0.81)  # axes in the picture: left, bottom, width, height
 WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
 LINES = 3  # per column of the text below
-
-
-STEP = 0.4  # seconds per image, at most
-REST = 2.0  # seconds for the last image
-MARGIN = 1.15  # size of the picture relative to its contents
-ZOOM = 3.0  # largest ratio of sizes of the contents shown at a fixed scale
 
 
 def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
@@ -70,26 +64,24 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     shown = evenly(scenes(placed), 240)  # limit of images
     if not shown:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to show in a film")
-    each = min(STEP, 16.0 / len(shown))  # limits the film to 16 seconds
-    seconds = [each] * (len(shown) - 1) + [REST]
+    each = min(0.4, 16.0 / len(shown))  # seconds per image; limits the film to 16 seconds
+    seconds = [each] * (len(shown) - 1) + [2.0]
     write_atomically({Path(path): pixels_writer(path, _drawn(placed, shown), seconds)})
 
 
 def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
     """Rendered images as pixels, (height, width, 3), in order."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from isoembed.plot.windowless import WindowlessFigure
 
     values = np.concatenate([horizon.fields[SHOWN] for scene in shown for horizon in scene.shown])
     scale, colors = color_scale(*Quantity("", "", values).bounds), colors_of(placed.table.series)
     for scene, pose in zip(shown, _poses(shown), strict=True):
-        picture = Figure(figsize=SIZE, facecolor=PAPER, dpi=DPI)
-        canvas = FigureCanvasAgg(picture)
+        picture = WindowlessFigure(*SIZE, facecolor=PAPER, dpi=100)
         axes = picture.add_axes(PLACE)
         _draw_scene(axes, scene, pose, scale, colors)
         axes.set_aspect("equal")
         axes.axis("off")
-        tall = MARGIN
+        tall = 1.15  # size of the picture relative to its contents
         axes.set_xlim(-WIDE * tall, WIDE * tall)
         axes.set_ylim(-tall, tall)
         draw_triad(axes, tall * np.array([-0.85 * WIDE, -0.78]))
@@ -99,8 +91,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
         bar.set_ylabel(CURVATURE, color=INK, labelpad=6, fontsize=10)
         picture.text(0.43, 0.965, scene.moment, ha="center", va="center", fontsize=14, color=INK)
         _write_below(picture, scene, colors, placed.note)
-        canvas.draw()
-        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        yield picture.pixels()
 
 
 def _poses(shown: Sequence[Scene]) -> list[Pose]:
@@ -112,7 +103,7 @@ def _poses(shown: Sequence[Scene]) -> list[Pose]:
     centers = _around(0.5 * (lower + higher), calm).mean(axis=-1)
     reaches = (np.maximum(high - centers, centers - low) / (WIDE, 1.0, np.inf)).max(axis=1)
     sizes = _around(_around(reaches, calm).max(axis=-1), calm).mean(axis=-1)
-    if reaches.max() <= ZOOM * reaches.min():  # a fixed scale keeps sizes comparable
+    if reaches.max() <= 3.0 * reaches.min():  # a fixed scale keeps sizes comparable
         sizes[:] = reaches.max()
     return [
         Pose(camera().T @ center, np.eye(3), float(size)) for center, size in zip(centers, sizes, strict=True)
@@ -175,11 +166,9 @@ def _draw_surfaces(
     """Draw disjoint horizons, the farthest face first."""
     if not horizons:
         return
-    first = np.cumsum([0] + [len(horizon.vertices) for horizon in horizons[:-1]])
-    faces = np.concatenate([horizon.faces + k for horizon, k in zip(horizons, first, strict=True)])
+    vertices, faces = joined(horizons)
     values = np.concatenate([horizon.fields[SHOWN] for horizon in horizons])
-    view = View.of(np.concatenate([horizon.vertices for horizon in horizons]), faces, pose)
-    draw(axes, view, face_means(values, faces), scale, opacity=opacity)
+    draw(axes, View.of(vertices, faces, pose), face_means(values, faces), scale, opacity=opacity)
 
 
 def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,7 @@ from isoembed.plot.page import COLORS, own_ramp
 from isoembed.plot.series.labels import facts_of
 from isoembed.plot.series.page_report import run_caption, run_report_html
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
-from isoembed.plot.series.scenes import Scene, evenly, scenes
+from isoembed.plot.series.scenes import Scene, evenly, joined, scenes
 from isoembed.plot.view import Pose, camera
 from isoembed.runs.result import Result
 
@@ -74,28 +73,26 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     names = [name for name in FIELDS if all(name in one.fields for one in placed.horizons.values())]
     shown = evenly(everything, _max_scenes(everything, len(names)))
     packed, pose = Packed(), _pose(shown)
-    shades = [_Shade.of(name, shown) for name in names]
+    bounds = {name: _bounds(name, shown) for name in names}
     meshes = dict[bytes, int]()
     entries, frames = list[dict[str, Any]](), list[dict[str, Any]]()
     pause = round(1000 * min(0.4, 12.0 / len(shown)))  # milliseconds; limits playing time to 12 seconds
     for scene in shown:
         shells = scene.shells
         horizons = [one for one in scene.shown if one not in shells] + list(shells)
-        first = np.cumsum([0] + [len(one.vertices) for one in horizons])
-        faces = np.concatenate([one.faces + k for one, k in zip(horizons, first, strict=False)] or [NO_FACES])
+        vertices, faces = joined(horizons)
         solid = sum(len(one.faces) for one in horizons if one not in shells)
         mesh = meshes.setdefault(faces.tobytes() + bytes([len(shells)]), len(meshes))
         if mesh == len(entries):
             entries.append(
                 {"faces": packed.add(faces.ravel()), "polygons": None, "outlines": None, "solid": solid}
             )
-        vertices = np.concatenate([one.vertices for one in horizons] or [NO_VERTICES])
         frames.append(
             {
                 **{"stage": scene.moment, "t": None, "residual": None, "remarks": _report_lines(scene)},
                 **{"pause": pause, "mesh": mesh, "concave": None},
                 "positions": packed.add_short(pose.put(vertices).ravel()),
-                "values": {shade.shown: shade.packed(packed, horizons) for shade in shades},
+                "values": {FIELDS[name][0]: _shades(name, horizons, bounds[name], packed) for name in names},
             }
         )
     data = {
@@ -106,9 +103,9 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
         "quantities": [
             {
                 **dict(zip(("name", "label", "unit", "scale"), FIELDS[name], strict=True)),
-                **{"at": "vertices", "ramp": own_ramp(FIELDS[name][3], *shade.bounds)},
+                **{"at": "vertices", "ramp": own_ramp(FIELDS[name][3], *bounds[name])},
             }
-            for name, shade in zip(names, shades, strict=True)
+            for name in names
         ],
         "frames": frames,
     }
@@ -118,9 +115,6 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     ]
     caption = run_caption(placed, everything[0], everything[-1])
     return Document(title, caption, run_report_html(placed), rows, data, packed)
-
-
-NO_FACES, NO_VERTICES = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
 
 
 def _max_scenes(shown: Sequence[Scene], fields: int) -> int:
@@ -150,27 +144,27 @@ def _report_lines(scene: Scene) -> list[str]:
     return [f"{row.series}: {facts_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
 
 
-@dataclass(frozen=True, eq=False)
-class _Shade:
-    """A quantity at the vertices, with color limits common to all times."""
+def _values(field: str, horizons: Sequence[PlacedHorizon]) -> Floats:
+    """Vertex data of horizons, one after the other; those on a logarithmic scale are not below a bound."""
+    values: Floats = np.concatenate([one.fields[field] for one in horizons] or [np.empty(0)])
+    return np.maximum(values, SMALLEST_RESIDUAL) if _is_log(field) else values
 
-    field: str
-    shown: str
-    logarithmic: bool
-    bounds: list[float]
 
-    @classmethod
-    def of(cls, field: str, scenes_: Sequence[Scene]) -> _Shade:
-        name, _, _, scale = FIELDS[field]
-        logarithmic = scale == "log"
-        values = np.concatenate([one.fields[field] for scene in scenes_ for one in scene.shown])
-        if logarithmic:
-            bounds = Quantity("", "", np.maximum(values, SMALLEST_RESIDUAL), "log").bounds
-            return cls(field, name, True, np.log10(bounds).tolist())
-        return cls(field, name, False, list(Quantity("", "", values).bounds))
+def _is_log(field: str) -> bool:
+    return FIELDS[field][3] == "log"
 
-    def packed(self, packed: Packed, horizons: Sequence[PlacedHorizon]) -> dict[str, Any]:
-        values: Floats = np.concatenate([one.fields[self.field] for one in horizons] or [np.empty(0)])
-        if self.logarithmic:
-            values = np.log10(np.maximum(values, SMALLEST_RESIDUAL))
-        return {**packed.add_short(values), "bounds": self.bounds}
+
+def _bounds(field: str, shown: Sequence[Scene]) -> list[float]:
+    """Color limits common to all scenes, or their logarithms on a logarithmic scale."""
+    values = _values(field, [one for scene in shown for one in scene.shown])
+    if _is_log(field):
+        return np.log10(Quantity("", "", values, "log").bounds).tolist()
+    return list(Quantity("", "", values).bounds)
+
+
+def _shades(
+    field: str, horizons: Sequence[PlacedHorizon], bounds: list[float], packed: Packed
+) -> dict[str, Any]:
+    """Packed values of a scene, with the limits of the colors."""
+    values = _values(field, horizons)
+    return {**packed.add_short(np.log10(values) if _is_log(field) else values), "bounds": bounds}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
+from isoembed.io.npz import with_prefix
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.series.table import AXIS, Row, SeriesTable
 from isoembed.runs.result import Result
@@ -158,7 +159,7 @@ def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Fl
 
 
 def _placed(row: Row, arrays: Mapping[str, NDArray[Any]], turn: Floats, center: Floats) -> PlacedHorizon:
-    fields = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
+    fields = with_prefix(arrays, FIELD)
     has_axis = AXIS[0] in row.numbers
     axis = np.array([row.numbers[name] for name in AXIS]) @ turn if has_axis else None
     return PlacedHorizon(row, arrays["vertices"] @ turn + center, arrays["faces"], fields, center, axis)

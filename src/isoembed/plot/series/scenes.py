@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.plot.series.abscissa import Abscissa
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.relativity.series.table import Row
@@ -55,6 +55,16 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
         found.append(Scene(moment, shown, missing))
     there = [k for k, scene in enumerate(found) if scene.shown]
     return tuple(found[there[0] : there[-1] + 1]) if there else ()
+
+
+def joined(horizons: Sequence[PlacedHorizon]) -> tuple[Floats, Indices]:
+    """Vertices (V, 3) and faces (F, 3) of several horizons as one mesh."""
+    first = np.cumsum([0] + [len(one.vertices) for one in horizons])
+    faces = [one.faces + k for one, k in zip(horizons, first, strict=False)]
+    return (
+        np.concatenate([one.vertices for one in horizons] or [np.empty((0, 3))]),
+        np.concatenate(faces or [np.empty((0, 3), dtype=np.int64)]),
+    )
 
 
 def evenly(shown: Sequence[Scene], count: int) -> tuple[Scene, ...]:

@@ -29,15 +29,15 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.quadrature import (
     FEWEST_HEIGHTS,
     GROWTH,
-    MOST_HEIGHTS,
-    MOST_HEIGHTS_SYMMETRIC,
     RTOL,
+    first_heights,
     is_symmetric,
+    most_heights,
     smooth_energies,
     sphere_rule,
 )
 from isoembed.relativity.energies.wang_yau_functional import physical
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, momentum_of
 from isoembed.reprs import short_repr
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
@@ -117,8 +117,7 @@ def chen_wang_yau(
         raise InvalidParameter(next(note for note in reversed(plain.notes) if "k " in note))
     k = embedding.space.curvature
     symmetric = is_symmetric(data, embedding)
-    max_heights = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
-    n, before = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree)), np.inf
+    n, before = first_heights(embedding), np.inf
     while True:
         u, weights = sphere_rule(n, symmetric, embedding.coordinates)
         momentum = _momentum(data, embedding, u, weights)
@@ -130,7 +129,7 @@ def chen_wang_yau(
         value = float(np.copysign(np.sqrt(square), momentum[0]))
         error, before = abs(value - before), value
         n = int(GROWTH * n)
-        if error <= RTOL * radius or (np.isfinite(error) and n > max_heights):
+        if error <= RTOL * radius or (np.isfinite(error) and n > most_heights(symmetric)):
             break
     center = momentum[1:] / value
     potential = _potential(embedding, u, center)
@@ -157,8 +156,8 @@ def _momentum(data: SurfaceData, embedding: SmoothEmbedding, u: Floats, weights:
     excess = 2.0 * embedding.mean_curvature(u)
     if not data.marginal:
         assert data.mean_curvature is not None
-        p = 0.0 if data.momentum is None else data.momentum(u)
-        excess = excess - np.sqrt(np.maximum(data.mean_curvature(u) ** 2 - p**2, 0.0))
+        squared = data.mean_curvature(u) ** 2 - momentum_of(data, u) ** 2
+        excess = excess - np.sqrt(np.maximum(squared, 0.0))
     x = embedding.points(u)
     density = weights * area_density(data.metric.tensor(u)) * excess / (8.0 * np.pi)
     return np.append(density @ embedding.space.heights(x), density @ x)
@@ -174,7 +173,7 @@ def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> 
     """Norm of the gradient of the energy in the coefficients of tau, at tau = 0."""
     n = FEWEST_HEIGHTS
     samples = MetricSamples.of(data.metric, n, 2 * n)
-    k, p, alpha = physical(data, samples.u, samples.frames)
+    k, p, alpha = physical(data, samples)
     frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
     if np.any(p):  # alpha = K(., n) - d psi
         transform = SphereTransform(Harmonics(n // 2, n // 2), n, 2 * n)

@@ -18,7 +18,7 @@ from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.horizon_shape import HorizonShape
 from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, momentum_of
 from isoembed.reprs import html_table, short_repr
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
@@ -168,7 +168,7 @@ class EmbeddedSurface:
             tables["curvature"] = np.array(self.space.curvature)
         if self.data.mean_curvature is not None:
             k = self.data.mean_curvature(u)
-            p = np.zeros(len(u)) if self.data.momentum is None else self.data.momentum(u)
+            p = momentum_of(self.data, u)
             tables |= {"k": k, "p": p, "theta_plus": k - p, "theta_minus": -(k + p)}
         if self.spin is not None and self.spin.axis is not None:
             tables["angular_momentum_density"] = torques(self.data, u) @ self.spin.axis / (8.0 * np.pi)

@@ -11,7 +11,7 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.relativity.horizons.spin import Spin
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, momentum_of, values_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.sphere_map import SphereMap
@@ -23,8 +23,6 @@ ROUNDING = 3e-14  # relative rounding error of sums over many nodes
 RTOL = 3e-13  # relative change of a converged integral with more nodes
 GROWTH = 1.5  # ratio of successive numbers of circles of nodes
 FEWEST_HEIGHTS = 32  # initial number of circles of nodes
-MOST_HEIGHTS = 256  # largest number of circles of nodes
-MOST_HEIGHTS_SYMMETRIC = 6000  # the same on axisymmetric surfaces
 SCATTER = 0.5  # least ratio of the standard deviation to the largest error
 
 
@@ -52,7 +50,7 @@ def smooth_energies(
     the change of int H dA - V of surfaces with metric -k q in space of curvature -1.  As V increases with k,
     the first term is a bound for k <= 0.
     """
-    n = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree))
+    n = first_heights(embedding)
     values, notes = _integrated(data, n, is_symmetric(data, embedding), embedding.coordinates)
     reference = 2.0 * embedding.integrated_mean_curvature
     relative = ROUNDING + data.lengths_error.mean + data.displacement
@@ -134,7 +132,7 @@ def _integrated(
     axial symmetry the nodes are rotated each time, to detect departures from symmetry.
     """
     relative = ROUNDING + data.lengths_error.mean + data.displacement
-    max_heights = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
+    max_heights = most_heights(symmetric)
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     turned = False
@@ -152,6 +150,16 @@ def _integrated(
         if last or settled.keys() == values.keys():
             return settled, notes
         n, before, turned = int(GROWTH * n), values, not turned
+
+
+def first_heights(embedding: SmoothEmbedding) -> int:
+    """Initial number of circles of nodes on an embedded surface."""
+    return max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree))
+
+
+def most_heights(symmetric: bool) -> int:
+    """Largest number of circles of nodes."""
+    return 6000 if symmetric else 256
 
 
 def sphere_rule(
@@ -187,7 +195,7 @@ class _Nodes:
     @classmethod
     def of(cls, data: SurfaceData, u: Floats, weights: Floats) -> _Nodes:
         k = None if data.mean_curvature is None else values_of(data.mean_curvature, u, "the mean curvature")
-        p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
+        p = momentum_of(data, u)
         dA = weights * area_density(data.metric.tensor(u))
         errors = error_of(data.mean_curvature), error_of(data.momentum)
         return cls(u, dA, k, p, *errors, data.marginal, data.doubtful)

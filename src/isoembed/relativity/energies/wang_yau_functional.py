@@ -25,7 +25,12 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.time_function import TimeFunction
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, values_of, vectors_of
+from isoembed.relativity.spacetimes.surface_data import (
+    SurfaceData,
+    momentum_of,
+    normal_momentum_of,
+    values_of,
+)
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, strains
@@ -115,7 +120,7 @@ class Functional:
         # Twice the degree, to avoid aliasing.
         n = max(int(np.ceil(2.0 * (harmonics.degree + 1))), time.degree + 1)
         samples = MetricSamples.of(data.metric, n, 2 * n)
-        k, p, j = physical(data, samples.u, samples.frames)
+        k, p, j = physical(data, samples)
         frames = samples.frames @ np.stack(angle_frame(samples.u), axis=2)
         transform = SphereTransform(harmonics, n, 2 * n)
         system = MatrixFreeIsometry.of(transform, samples)
@@ -286,12 +291,13 @@ class EmbeddedTime:
         return self.functional.slope(self.tau)
 
 
-def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
-    """Curvature k and momentum p (n,) of the data, and K(., n) along the frames (n, 2)."""
+def physical(data: SurfaceData, samples: MetricSamples) -> tuple[Floats, Floats, Floats]:
+    """Curvature k and momentum p (n,) of the data, and K(., n) along the frames of the metric (n, 2)."""
+    u = samples.u
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
     k = values_of(data.mean_curvature, u, "the mean curvature")
-    p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
+    p = momentum_of(data, u)
     if data.normal_momentum is None and np.any(p):
         raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     worst = int(np.argmin(k - np.abs(p)))
@@ -301,9 +307,7 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
             f"k = {k[worst]:.4g} does not exceed |p| = {abs(p[worst]):.4g} at theta = {theta:.3f}, "
             f"phi = {phi:.3f}: the Wang-Yau energy needs a spacelike, outward mean curvature vector"
         )
-    if data.normal_momentum is None:
-        return k, p, np.zeros((len(u), 2))
-    return k, p, np.einsum("nai,ni->na", frames, vectors_of(data.normal_momentum, u, "K(., n)"))
+    return k, p, np.einsum("nai,ni->na", samples.frames, normal_momentum_of(data, u))
 
 
 def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floats) -> Floats:

@@ -19,8 +19,7 @@ from isoembed.smooth.orientation import oriented
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
 
-LEAST_DEGREE = 16  # least degree of X: a time function adds harmonics to those of the surface
-HIGHEST_DEGREE = 96  # largest degree of X, limited by the cost
+DEGREES = (16, 96)  # of X: a time function adds harmonics to those of the surface; the cost limits them
 MAX_ITERATIONS = 30  # of Newton's method
 SHORTEST_STEP = 1e-3  # fraction of the Newton step below which the line search gives up
 FLAT = 1e-9  # largest relative second derivative that counts as zero (boosts, in Minkowski space)
@@ -31,7 +30,7 @@ class Search:
     """Energies of a surface for time functions, with a count of the embeddings."""
 
     def __init__(self, data: SurfaceData, base: SmoothEmbedding, at: TimeFunction) -> None:
-        degree = int(np.clip(base.harmonics.degree, LEAST_DEGREE, HIGHEST_DEGREE))
+        degree = int(np.clip(base.harmonics.degree, *DEGREES))
         self.data, self.base, self.at = data, base, at  # base is the X of this tau
         self.harmonics = Harmonics(degree, degree)  # of X
         self.embeddings = 1

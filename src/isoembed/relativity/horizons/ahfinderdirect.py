@@ -40,14 +40,6 @@ class _Patch:
     rows: list[list[float]] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class _Symmetry:
-    """Candidate symmetry of an incomplete surface: its matrices (3, 3) and a name for messages."""
-
-    images: list[Floats]
-    name: str
-
-
 def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the closed coordinate surface of a horizon from a file of AHFinderDirect.
 
@@ -241,9 +233,9 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     if 2 in halves:
         arrow = _images(arrow, [np.eye(3), np.diag([1.0, 1.0, -1.0])])
     candidates = _symmetries(halves)
-    if len(candidates) == 1:
-        return _images(arrow, candidates[0].images)
-    completed = [_images(arrow, candidate.images) for candidate in candidates]
+    completed = [_images(arrow, images) for images in candidates.values()]
+    if len(completed) == 1:
+        return completed[0]
     misses = [_miss(points, SMOOTH_DEGREE) for points in completed]
     best = int(np.argmin(misses))
     # At 1.5 times the degree: the misfit of a crease decays as 1 / degree, of a smooth surface exponentially.
@@ -251,20 +243,19 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
         misses[best] > 1e-3  # mean radii: a smaller misfit is not a crease
         and _miss(completed[best], 3 * SMOOTH_DEGREE // 2) > 0.5 * misses[best]
     ):
-        names = " nor ".join(candidate.name for candidate in candidates)
         raise FileError(
-            f"{source} has only part of the surface, and neither {names} complete it smoothly (creases of "
-            f"{misses[best]:.1g} of its radius)"
+            f"{source} has only part of the surface, and neither {' nor '.join(candidates)} complete it "
+            f"smoothly (creases of {misses[best]:.1g} of its radius)"
         )
     return completed[best]
 
 
-def _symmetries(halves: dict[int, int]) -> list[_Symmetry]:
-    """Candidate symmetries that complete a surface already complete in z."""
+def _symmetries(halves: dict[int, int]) -> dict[str, list[Floats]]:
+    """Matrices (3, 3) of the symmetries that may complete a surface already complete in z, by name."""
     one = np.eye(3)
     horizontal = [axis for axis in (0, 1) if axis in halves]
     if not horizontal:
-        return [_Symmetry([one], "nothing")]
+        return {"nothing": [one]}
     mirrors = []
     for signs in itertools.product((1.0, -1.0), repeat=len(horizontal)):
         image = one.copy()
@@ -273,7 +264,7 @@ def _symmetries(halves: dict[int, int]) -> list[_Symmetry]:
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     power = 1 if len(horizontal) == 2 else 2
     turns = [np.linalg.matrix_power(quarter, k) for k in range(0, 4, power)]
-    return [_Symmetry(mirrors, "reflections"), _Symmetry(turns, f"rotations by {90 * power} degrees")]
+    return {"reflections": mirrors, f"rotations by {90 * power} degrees": turns}
 
 
 def _images(arrow: Floats, images: list[Floats]) -> Floats:

@@ -25,7 +25,6 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
 TIME = re.compile(r"\btime\b[^\d+-]*([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
-SAME = 1e-6  # largest distance between copies of a point, relative to the size of the horizon
 
 
 def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
@@ -60,7 +59,7 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
         for begin, end in zip([0, *(end + 1 for end in ends)], ends, strict=False):
             ring = table.numbers[begin : end + 1]
             apart = float(np.abs(ring[0] - ring[-1]).max())
-            if n_phi < 3 or len(ring) != n_phi + 1 or apart > SAME * size:
+            if n_phi < 3 or len(ring) != n_phi + 1 or apart > 1e-6 * size:  # rounding of printed digits
                 off = f": it is off by {apart:.3g}" if len(ring) == n_phi + 1 else ""
                 raise FileError(
                     f"{file}, line {table.lines[end]}: the ring that ends here does not have "

@@ -33,7 +33,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
-from isoembed.relativity.horizons.multipoles import STEEPER
+from isoembed.relativity.horizons.multipoles import STEEPER, estimates
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
@@ -50,16 +50,7 @@ from isoembed.surface.estimate import Estimate
 
 Complexes = NDArray[np.complex128]
 
-ORDERS = 20
-"""Largest degree l of multipoles."""
-DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32), (16, 24, 32, 48, 64, 96, 128)
-"""Degrees of the harmonics of phi, in order of refinement."""
-AROUND = 16
-"""Number of angles phi if the metric is symmetric about z; the unit vectors have order 1."""
-SETTLED, ROUNDING = 1e-12, 1e-13
-"""Change of the multipoles between degrees that counts as converged, and their rounding error."""
-STEPS, SHORTEST = 50, 2.0**-20
-"""Maximum number of Newton steps, and the least damping factor."""
+STEPS = 50  # of Newton's methods, at most
 
 
 @short_repr
@@ -129,7 +120,7 @@ def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
 
 def checked_order(n: SupportsIndex) -> int:
     """Checked degree of the highest multipoles.  Raises `InvalidParameter`: it is out of range."""
-    return checked_count("the highest degree of multipoles", n, 1, ORDERS)
+    return checked_count("the highest degree of multipoles", n, 1, 20)
 
 
 def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMultipoles:
@@ -163,17 +154,20 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     """
     order = checked_order(n)
     symmetric = is_axisymmetric(data.metric) and _momentum_is_axisymmetric(data)
-    degrees = tuple(d for d in (SYMMETRIC_DEGREES if symmetric else DEGREES) if d >= order)
+    # Degrees of the harmonics of phi, in order of refinement.
+    allowed = (16, 24, 32, 48, 64, 96, 128) if symmetric else (12, 16, 24, 32)
+    degrees = tuple(degree for degree in allowed if degree >= order)
     K = spectral_curvature(data.metric, data.relative_error)
     found = _moments(data, K, degrees[0], order, symmetric)
     for degree in degrees[1:]:
         before, found = found, _moments(data, K, degree, order, symmetric)
         change = np.abs(found - before).max(axis=2)
-        if change.max() <= max(SETTLED, data.relative_error):
+        if change.max() <= max(1e-12, data.relative_error):  # converged
             break
     l = np.arange(order + 1)
     steep = l * (l + 1) * (1.0 + STEEPER * l**2)
-    errors = change + ROUNDING * (1 + l) ** 2 + steep * data.relative_error + l * (l + 1) * data.displacement
+    rounding = 1e-13 * (1 + l) ** 2
+    errors = change + rounding + steep * data.relative_error + l * (l + 1) * data.displacement
     if isinstance(data.normal_momentum, UncertainFunction):
         errors[1] += steep * np.pi * data.normal_momentum.error.mean
     rotation = None if data.normal_momentum is None else found[1]
@@ -203,10 +197,6 @@ class _Sphere:
         rate = np.eye(3) / rho[:, :, None] - 2.0 * d[:, :, None] * d[:, None, :] / rho[:, :, None] ** 2
         return _Sphere(scale * d / rho - b, scale * rate @ self.slope)
 
-    def turned(self, R: Floats) -> _Sphere:
-        """Image under a rotation R (3, 3)."""
-        return _Sphere(self.n @ R.T, R @ self.slope)
-
     def balanced(self, dA: Floats) -> _Sphere:
         """Round metric without area dipole, for the areas dA (N,) at the nodes, which sum to 4 pi."""
         sphere = self
@@ -221,7 +211,8 @@ class _Sphere:
 
     def nearest(self, x: Floats, dA: Floats) -> _Sphere:
         """Image under the rotation that best aligns it with vectors x (N, 3)."""
-        return self.turned(Rotation.align_vectors(x, self.n, dA)[0].as_matrix())
+        R = Rotation.align_vectors(x, self.n, dA)[0].as_matrix()
+        return _Sphere(self.n @ R.T, R @ self.slope)
 
 
 def _moments(
@@ -229,7 +220,8 @@ def _moments(
 ) -> Complexes:
     """I_lm and L_lm (2, order + 1, order + 1), with phi in harmonics of a given degree."""
     heights = 3 * degree // 2 + 2
-    u, weights = gauss_rule(heights, max(AROUND, 2 * order + 2) if symmetric else 2 * heights)
+    # With symmetry, 16 angles phi are enough for the unit vectors, which have order 1.
+    u, weights = gauss_rule(heights, max(16, 2 * order + 2) if symmetric else 2 * heights)
     q = data.metric.tensor(u)
     density = area_density(q)
     unit = float(weights @ density) / (4.0 * np.pi)
@@ -273,7 +265,7 @@ def _conformal(
         border = 2.0 * Y.T @ (w[:, None] * u)
         matrix = np.block([[2.0 * _gram(Y, w) - S, border], [border.T, np.zeros((3, 3))]])
         step, part = -np.linalg.solve(matrix, residual)[:-3], 1.0
-        while part >= SHORTEST and np.linalg.norm(left(phi + part * step)[1]) >= size:
+        while part >= 2.0**-20 and np.linalg.norm(left(phi + part * step)[1]) >= size:
             part *= 0.5
         phi = phi + part * step
         w, residual = left(phi)
@@ -308,9 +300,7 @@ def _powers(table: Complexes, errors: Floats) -> tuple[Estimate, ...]:
     powers = squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)
     l = np.arange(len(table))
     spread = errors * np.sqrt(2 * l + 1)
-    return tuple(
-        Estimate(*pair) for pair in zip(powers, 2.0 * np.sqrt(powers) * spread + spread**2, strict=True)
-    )
+    return estimates(powers, 2.0 * np.sqrt(powers) * spread + spread**2)
 
 
 def _momentum_is_axisymmetric(data: SurfaceData) -> bool:

@@ -12,13 +12,10 @@ from isoembed.relativity.horizons.radial_image import discretized, in_degree
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-FIRST_DEGREE = 8
-HIGHEST_DEGREES = (48, 512)  # without and with symmetry about the z-axis
 DEGREE_GROWTH = 1.5
 TRUNCATION = 1e-4
 """Largest coefficient of high degree, in mean radii, above which the degree is raised."""
-RESIDUAL, PRECISE_RESIDUAL = 1e-6, 1e-12
-"""Residuals, in mean radii, of intermediate leaves and of leaves near a minimum or a horizon."""
+PRECISE_RESIDUAL = 1e-12  # of leaves near a minimum or a horizon, in mean radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +69,7 @@ class ConstantExpansionSurface:
 
 
 def constant_expansion_surface(
-    geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = RESIDUAL
+    geometry: ThreeGeometry, guess: StarSurface, *, enough: float = 1e-6
 ) -> ConstantExpansionSurface:
     """Find the surface of constant expansion with the mean radius of an initial guess.
 
@@ -83,12 +80,12 @@ def constant_expansion_surface(
     ----------
     geometry : ThreeGeometry
     guess : StarSurface
-    symmetric : bool
-        Whether slice and surface are symmetric about the z-axis.
+        Initial guess, without harmonics of nonzero order if slice and surface are symmetric about the z-axis.
     enough : float
-        Residual at which to stop, as a displacement relative to the radius.
+        Residual at which to stop, as a displacement relative to the radius; the default is for intermediate
+        leaves.
     """
-    highest = HIGHEST_DEGREES[int(symmetric)]
+    highest = highest_degree(guess)
     while True:
         discretization = discretized(geometry, guess)
         solution = solve(discretization, guess.coefficients, None, enough)
@@ -108,11 +105,11 @@ def constant_expansion_surface(
         if (smooth and constant and resolved) or harmonics.degree >= highest:
             break
         degree = min(highest, int(DEGREE_GROWTH * harmonics.degree))
-        guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
+        guess = in_degree(surface, degree)
     rate, tangent = _tangent(solution)
-    by_slice = solution.equations.projected(errors[:, None])[:, 0]
+    by_slice = solution.equations.projected(errors)
     return ConstantExpansionSurface(
-        surface=StarSurface(guess.center, harmonics, f),
+        surface=surface,
         expansion=solution.expansion,
         lower=float((theta - errors).min()),
         upper=float((theta + errors).max()),
@@ -123,6 +120,11 @@ def constant_expansion_surface(
         speed=float(np.abs(discretization.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
         noise=solution.noise,
     )
+
+
+def highest_degree(surface: StarSurface) -> int:
+    """Largest degree of leaves with the symmetry of a surface."""
+    return 512 if surface.harmonics.order == 0 else 48
 
 
 def hole_heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:

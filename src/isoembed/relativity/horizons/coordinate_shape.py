@@ -17,8 +17,6 @@ from isoembed.mesh.edge_tables import edge_tables
 from isoembed.mesh.merging import representatives
 from isoembed.reprs import short_repr
 
-SAME_DIRECTION = 1e-6  # largest angle between copies of a point, in radians
-
 
 @short_repr
 @dataclass(frozen=True, eq=False)
@@ -118,7 +116,7 @@ def triangulate_star_shaped(
     center: Floats,
     source: str,
     polygons: Iterable[Sequence[int]] = (),
-    same: float = SAME_DIRECTION,
+    same: float = 1e-6,
 ) -> tuple[Indices, Indices]:
     """Triangulate a closed surface through scattered points that is star-shaped about a center.
 

@@ -10,7 +10,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from isoembed.arrays import Floats, Indices
-from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, linearized
+from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, extent, linearized
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -30,8 +30,7 @@ class Iterate:
     @property
     def radius(self) -> float:
         """Root-mean-square distance of the nodes from their mean."""
-        x = self.local.jet.x
-        return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
+        return extent(self.local.jet.x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +54,7 @@ class Discretization:
 
         Raises `InvalidMetric` or `InvalidParameter`: the surface leaves the domain of the slice.
         """
-        c, T = f[:, None], self.transform
-        surface = self.family.at(T.values(c)[:, 0], T.gradients(c)[:, :, 0], T.hessians(c)[:, :, 0])
-        local = LocalGeometry.of(self.geometry, surface)
+        local = LocalGeometry.of(self.geometry, self.family.at_nodes(self.transform, f))
         _ = local.expansion  # raises at points outside the domain of the slice
         return Iterate(f, local)
 
@@ -128,9 +125,9 @@ class Equations:
     free: bool = False
 
     def projected(self, theta: Floats) -> Floats:
-        """Projection (size, c) of changes of the expansion (N, c)."""
+        """Projection (size,) of a change of the expansion (N,)."""
         weights = self.transform.weights * self.linear.scale
-        return self.transform.adjoint_values(weights[:, None] * theta)
+        return self.transform.adjoint_values((weights * theta)[:, None])[:, 0]
 
     def applied(self, f: Floats) -> Floats:
         """Projection (size,) for unknowns f (size,)."""
@@ -138,10 +135,10 @@ class Equations:
         c = f[:, None].copy()
         if self.free:
             c[0] = 0.0
-        theta = self._changed(T.values(c), T.gradients(c), T.hessians(c))
+        theta = self._changed(T.values(c), T.gradients(c), T.hessians(c))[:, 0]
         if self.free:
             theta -= f[0]
-        return self.projected(theta)[:, 0]
+        return self.projected(theta)
 
     def solved(self, right: Floats) -> Floats:
         """Solution (size,) of the equations, direct or by preconditioned GMRES without restart."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, momentum_of, values_of
 from isoembed.reprs import short_repr
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
@@ -82,7 +82,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         raise InvalidParameter("a horizon cannot be identified without the mean curvature")
     u, weights = gauss_rule(48, 96)
     k = values_of(data.mean_curvature, u, "the mean curvature")
-    p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
+    p = momentum_of(data, u)
     if isinstance(data.metric, GridMetric):
         p = np.abs(p)  # the sign convention of a file is unknown
     dA = weights * area_density(data.metric.tensor(u))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.differences import SIXTH
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.local_geometry import ComplexFields, LocalGeometry, SliceFields
 from isoembed.relativity.spacetimes.three_geometry import COMPLEX_STEP, Numbers
@@ -53,6 +54,11 @@ class LinearizedExpansion:
         return change
 
 
+def extent(x: Floats) -> float:
+    """Root-mean-square distance of points (n, 3) from their mean."""
+    return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
+
+
 def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansion:
     """Linearized expansion of a surface in a slice, for displacements in a family."""
     D, surface, fields = family.direction, local.jet, local.fields
@@ -77,10 +83,9 @@ def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansi
 def _displaced(fields: SliceFields, D: Floats) -> ComplexFields:
     """Fields of the slice at the complex points ``x + i eps D``."""
     x = fields.x
-    size = np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1)))
-    h = STEP * float(size)
+    h = STEP * extent(x)
     gradient, K = np.zeros_like(fields.gradient), np.zeros_like(fields.K)
-    for steps, weight in ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0)):
+    for steps, weight in enumerate(SIXTH, 1):
         for sign in (1.0, -1.0):
             there = SliceFields(fields.geometry, x + sign * steps * h * D)
             gradient += sign * weight / h * there.gradient

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.horizons.foliated_horizon import FAILURES, NODES, foliated_horizon
+from isoembed.relativity.horizons.foliated_horizon import NODES, foliated_horizon
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near, refined_horizon
 from isoembed.relativity.horizons.hole_groups import HoleGroup, hole_groups, holes_inside
+from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.spacetimes.checks import written
@@ -20,9 +21,6 @@ from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
-
-# Radii of initial spheres relative to the guess: small for grids and between holes, large for fast holes.
-RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
@@ -67,16 +65,14 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     (0.998248418, True, 'searched')
     """
     if guess is None:
-        search = _search(geometry)
-        first = search.horizons[0]
-        if len(search.horizons) == 1:
+        (first, *others), separate = _search(geometry)
+        if not others:
             return first
-        others = ", ".join(f"{other.area:.6g} around {_center(other)}" for other in search.horizons[1:])
-        separate = "separate horizons" if search.separate else "horizons that were found"
+        areas = ", ".join(f"{other.area:.6g} around {_center(other)}" for other in others)
+        kind = "separate horizons" if separate else "horizons that were found"
         note = (
             f"this one has the largest area, {first.area:.6g} around {_center(first)}, of "
-            f"{len(search.horizons)} {separate}; the others have {others}, and can be found from a guess "
-            "there"
+            f"{1 + len(others)} {kind}; the others have {areas}, and can be found from a guess there"
         )
         return replace(first, notes=(*first.notes, note))
     _check_guess(guess)
@@ -108,7 +104,7 @@ def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
     NoHorizon, InvalidParameter
         See `find_horizon`.
     """
-    return _search(geometry).horizons
+    return _search(geometry)[0]
 
 
 def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface) -> FoundHorizon:
@@ -176,23 +172,6 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     return inner
 
 
-@dataclass(frozen=True, eq=False)
-class _Search:
-    """Result of the search for the horizons of a slice.
-
-    Attributes
-    ----------
-    horizons : tuple of FoundHorizon
-        Horizons, in order of decreasing area.
-    separate : bool
-        Whether all groups of holes were tried, and each search for a common horizon ended with a least
-        expansion larger than its error.
-    """
-
-    horizons: tuple[FoundHorizon, ...]
-    separate: bool
-
-
 def _center(horizon: FoundHorizon) -> str:
     return written(np.array(horizon.surface.center))
 
@@ -210,8 +189,12 @@ def _check_slice(geometry: ThreeGeometry) -> None:
         raise InvalidParameter(geometry.hindrance)
 
 
-def _search(geometry: ThreeGeometry) -> _Search:
-    """Horizons around groups of holes, searched from the largest group to the smallest."""
+def _search(geometry: ThreeGeometry) -> tuple[tuple[FoundHorizon, ...], bool]:
+    """Horizons around groups of holes, of decreasing area, searched from the largest group to the smallest.
+
+    Also whether they are known to be separate: all groups of holes were tried, and each search for a common
+    horizon ended with a least expansion larger than its error.
+    """
     _check_slice(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[HoleGroup, NoHorizon]] = []
@@ -242,7 +225,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
         at = ", ".join(str(i) for i in sorted(alone))
         note = f"no horizon was found around the black holes {at}, by their place in the slice's list"
         horizons = [replace(horizon, notes=(*horizon.notes, note)) for horizon in horizons]
-    return _Search(tuple(sorted(horizons, key=lambda horizon: -horizon.area)), separate)
+    return tuple(sorted(horizons, key=lambda horizon: -horizon.area)), separate
 
 
 def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
@@ -266,7 +249,8 @@ def _inside_sphere(geometry: ThreeGeometry, group: HoleGroup) -> FoundHorizon:
     why = "none of the spheres encloses all holes"
     at = [position for _, position in geometry.black_holes]
     extent = max((math.dist(at[i], group.center) for i in group.holes), default=0.0)
-    for factor in RADII:
+    # Small spheres are for grids and between holes, large ones for fast holes.
+    for factor in (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0):
         if factor * group.radius <= extent:
             continue
         start = StarSurface.sphere(group.center, factor * group.radius)

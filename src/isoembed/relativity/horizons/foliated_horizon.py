@@ -5,21 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
-from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.errors import NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate, inside
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
-from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.radial_image import is_symmetric
-from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.horizons.symmetry_axis import horizon_in_slice, symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 NODES = (16, 32)  # latitudes and longitudes of the nodes at which surfaces are checked
-FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
-"""Exceptions that end a search."""
 
 
 def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
@@ -29,28 +27,27 @@ def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizo
     near the start; `NoHorizon`: the expansion does not change sign, or the horizon there is not resolved.
     """
     if is_symmetric(geometry, start):
-        return _from_foliation(geometry, start, True)
-    axis = symmetry_axis(geometry, start)
-    if axis is None:
-        return _from_foliation(geometry, start, False)
-    return axis.horizon(
-        _from_foliation(axis.frame, StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius), True)
-    )
+        return _from_foliation(geometry, start, symmetric=True)
+    frame = symmetry_axis(geometry, start)
+    if frame is None:
+        return _from_foliation(geometry, start, symmetric=False)
+    sphere = StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius)
+    return horizon_in_slice(_from_foliation(frame, sphere, symmetric=True), frame)
 
 
-def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
+def _from_foliation(geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool) -> FoundHorizon:
     """Find a horizon by a foliation in the given frame; see `foliated_horizon`."""
     foliation = foliate(geometry, start, symmetric=symmetric)
     if foliation.barriers is not None:
-        return _between(geometry, foliation, symmetric)
+        return _between(geometry, foliation)
     if foliation.undecided:
-        degenerate = _degenerate(geometry, foliation, symmetric)
+        degenerate = _degenerate(geometry, foliation)
         if degenerate is not None:
             return degenerate
     raise _none(geometry, foliation)
 
 
-def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
+def _between(geometry: ThreeGeometry, foliation: Foliation) -> FoundHorizon:
     """Stable horizon between barriers.
 
     Raises `NoHorizon`: it was not resolved; the message describes the barriers.
@@ -59,8 +56,8 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
     outer, inner = foliation.barriers
     for closeness in (1e-4, 1e-6, 1e-8):
         try:
-            outer, inner, guess = crossing(geometry, outer, inner, symmetric=symmetric, closeness=closeness)
-            horizon = horizon_near(geometry, guess, symmetric=symmetric)
+            outer, inner, guess = crossing(geometry, outer, inner, closeness=closeness)
+            horizon = horizon_near(geometry, guess, symmetric=guess.harmonics.order == 0)
         except FAILURES as error:
             why = str(error)
             continue
@@ -111,11 +108,12 @@ def _outermost(foliation: Foliation) -> Evidence:
     )
 
 
-def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon | None:
+def _degenerate(geometry: ThreeGeometry, foliation: Foliation) -> FoundHorizon | None:
     """Surface of least expansion as a horizon of zero stability, if the expansion is zero to rounding."""
     assert foliation.minimum is not None
+    least = foliation.minimum.surface
     try:
-        horizon = horizon_near(geometry, foliation.minimum.surface, symmetric=symmetric)
+        horizon = horizon_near(geometry, least, symmetric=least.harmonics.order == 0)
     except FAILURES:
         return None
     if horizon.residual > 1e-9 or abs(horizon.stability) > 1e-4:

@@ -19,19 +19,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq, root_scalar
 
-from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.constant_expansion import (
     DEGREE_GROWTH,
-    FIRST_DEGREE,
-    HIGHEST_DEGREES,
     PRECISE_RESIDUAL,
     TRUNCATION,
     ConstantExpansionSurface,
     constant_expansion_surface,
+    highest_degree,
     hole_heights,
 )
-from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.newton import FAILURES, NoConvergence
 from isoembed.relativity.horizons.radial_image import about, in_degree, recentered
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -42,11 +40,6 @@ from isoembed.surface.estimate import percent
 
 SHORTEST_STEP = 1e-4  # in mean radii
 MISSED = 0.3  # largest difference of a leaf from its prediction, relative to the displacement
-SMALLEST = 1e-3
-"""Mean radius relative to the first leaf at which the foliation ends."""
-RELATIVE_RISE, ABSOLUTE_RISE = 1.05, 0.25
-"""Increase of c R / 2 that ends the foliation: relative after a minimum of c, absolute after a minimum of
-c R / 2 only, which fast holes may have, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +107,10 @@ def foliate(
     while True:
         last = leaves[-1]
         try:
-            guess = recentered(last.displaced(step if outward else -step), symmetric)
-            leaf = constant_expansion_surface(geometry, guess, symmetric=symmetric)
+            guess = recentered(last.displaced(step if outward else -step))
+            leaf = constant_expansion_surface(geometry, guess)
             prediction_error = _prediction_error(geometry, last, guess, leaf, step)
-        except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
+        except FAILURES as failure:
             step *= 0.5
             if not why or not isinstance(failure, NoConvergence):
                 why = str(failure)
@@ -138,8 +131,8 @@ def foliate(
             return Foliation((*leaves, leaf), barriers, minimum, error)
         if not outward and last.rate > 0.0 > leaf.rate:
             try:
-                lowest, off = least_expansion(geometry, last, leaf, symmetric=symmetric, settled=0.1)
-            except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
+                lowest, off = least_expansion(geometry, last, leaf, settled=0.1)
+            except FAILURES as failure:
                 end = f"the surface of least expansion was not found: {failure}"
                 return Foliation((*leaves, leaf), None, None, 0.0, end)
             if lowest.expansion <= -off:
@@ -148,7 +141,7 @@ def foliate(
                 end = f"the least expansion is {lowest.expansion:.2g} +- {off:.1g}: its sign is not known"
                 return Foliation(tuple(leaves), None, lowest, off, end)
             if minimum is None or lowest.expansion < minimum.expansion:
-                minimum, error, end_at = lowest, off, RELATIVE_RISE * lowest.normalized_expansion
+                minimum, error, end_at = lowest, off, 1.05 * lowest.normalized_expansion
         elif (
             not outward
             and minimum is None
@@ -157,13 +150,13 @@ def foliate(
             and leaf.normalized_expansion > last.normalized_expansion
         ):
             minimum, error = last, _minimum_error(leaves[-2], last, leaf)
-            end_at = last.normalized_expansion + ABSOLUTE_RISE
+            end_at = last.normalized_expansion + 0.25  # fast holes may have such a minimum, too
         leaves.append(leaf)
         if minimum is not None and leaf.normalized_expansion < minimum.normalized_expansion:
             minimum, error = None, 0.0
         if minimum is not None and leaf.normalized_expansion > end_at:
             return Foliation(tuple(leaves), None, minimum, error, "the expansion grows again")
-        if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
+        if not 1e-3 < leaf.surface.mean_radius / largest < 1e3:
             end = (
                 f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
             )
@@ -175,7 +168,6 @@ def crossing(
     outer: ConstantExpansionSurface,
     inner: ConstantExpansionSurface,
     *,
-    symmetric: bool,
     closeness: float,
 ) -> tuple[ConstantExpansionSurface, ConstantExpansionSurface, StarSurface]:
     """Narrow the barriers of a horizon, and predict the horizon between them.
@@ -188,12 +180,10 @@ def crossing(
     geometry : ThreeGeometry
     outer, inner : ConstantExpansionSurface
         Leaves of positive and of negative expansion.
-    symmetric : bool
-        Whether slice and surface are symmetric about the z-axis.
     closeness : float
         Tolerance of the predicted horizon, in mean radii.
     """
-    family, largest, smallest = _family(geometry, outer, inner, symmetric)
+    family, largest, smallest = _family(geometry, outer, inner)
     xtol = closeness * largest / max(outer.speed, inner.speed)
     root = _root(lambda mean: family.at(mean).expansion, smallest, largest, xtol)
     leaves = sorted(family.computed, key=lambda leaf: abs(leaf.surface.coefficients[0] - root))
@@ -207,7 +197,6 @@ def least_expansion(
     outer: ConstantExpansionSurface,
     inner: ConstantExpansionSurface,
     *,
-    symmetric: bool,
     settled: float,
 ) -> tuple[ConstantExpansionSurface, float]:
     """Leaf of least expansion between two others, and the error of its expansion.
@@ -220,13 +209,11 @@ def least_expansion(
     geometry : ThreeGeometry
     outer, inner : ConstantExpansionSurface
         Leaves with inward decreasing and with inward increasing expansion.
-    symmetric : bool
-        Whether slice and surface are symmetric about the z-axis.
     settled : float
         Relative change of the least expansion between degrees that counts as converged.
     """
-    highest = HIGHEST_DEGREES[int(symmetric)]
-    family, largest, smallest = _family(geometry, outer, inner, symmetric)
+    highest = highest_degree(outer.surface)
+    family, largest, smallest = _family(geometry, outer, inner)
     xtol = 1e-5 * abs(largest - smallest)
     lowest = family.at(_root(lambda mean: family.at(mean).rate, smallest, largest, xtol))
     while True:
@@ -234,9 +221,8 @@ def least_expansion(
         rounding = 1e-13 / lowest.areal_radius
         if degree >= highest:
             return lowest, lowest.error + lowest.upper - lowest.lower + rounding
-        finer = in_degree(lowest.surface, min(highest, int(DEGREE_GROWTH * degree)), symmetric)
-        there = constant_expansion_surface(geometry, finer, symmetric=symmetric, enough=PRECISE_RESIDUAL)
-        new = _stationary(geometry, there, symmetric)
+        finer = in_degree(lowest.surface, min(highest, int(DEGREE_GROWTH * degree)))
+        new = _stationary(geometry, constant_expansion_surface(geometry, finer, enough=PRECISE_RESIDUAL))
         change = abs(new.expansion - lowest.expansion)
         if change <= max(settled * abs(new.expansion), new.error, rounding):
             return new, change + new.error + rounding
@@ -271,13 +257,13 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Cons
     Leaves around a moving hole are displaced by a fraction of their radius that increases with the speed, too
     far for Newton's method from a sphere; K_ij is therefore scaled up in steps.
     """
-    surface = in_degree(start, max(FIRST_DEGREE, start.harmonics.degree), symmetric)
+    surface = in_degree(start, max(8, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
-        leaf = constant_expansion_surface(ScaledCurvature(geometry, factor), surface, symmetric=symmetric)
-        surface = recentered(leaf.surface, symmetric)
+        leaf = constant_expansion_surface(ScaledCurvature(geometry, factor), surface)
+        surface = recentered(leaf.surface)
     if surface is leaf.surface:
         return leaf
-    return constant_expansion_surface(geometry, surface, symmetric=symmetric)
+    return constant_expansion_surface(geometry, surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,29 +271,24 @@ class _Family:
     """Leaves about one center by their coefficient of degree zero, each computed from the nearest one."""
 
     geometry: ThreeGeometry
-    symmetric: bool
     computed: list[ConstantExpansionSurface]
 
     def at(self, mean: float) -> ConstantExpansionSurface:
         nearest = min(self.computed, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
         if nearest.surface.coefficients[0] != mean:
             guess = nearest.of_mean(mean)
-            nearest = constant_expansion_surface(
-                self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL
-            )
+            nearest = constant_expansion_surface(self.geometry, guess, enough=PRECISE_RESIDUAL)
             self.computed.append(nearest)
         return nearest
 
 
 def _family(
-    geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface, symmetric: bool
+    geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface
 ) -> tuple[_Family, float, float]:
     """Family of leaves between two others, and the coefficients of degree zero of the outer and inner one."""
     if inner.surface.center != outer.surface.center:
-        inner = constant_expansion_surface(
-            geometry, about(inner.surface, outer.surface.center), symmetric=symmetric
-        )
-    family = _Family(geometry, symmetric, [outer, inner])
+        inner = constant_expansion_surface(geometry, about(inner.surface, outer.surface.center))
+    family = _Family(geometry, [outer, inner])
     return family, float(outer.surface.coefficients[0]), float(inner.surface.coefficients[0])
 
 
@@ -321,11 +302,9 @@ def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float
     return float(brentq(f, a, b, xtol=xtol, rtol=1e-15))
 
 
-def _stationary(
-    geometry: ThreeGeometry, leaf: ConstantExpansionSurface, symmetric: bool
-) -> ConstantExpansionSurface:
+def _stationary(geometry: ThreeGeometry, leaf: ConstantExpansionSurface) -> ConstantExpansionSurface:
     """Leaf of stationary expansion near a given leaf, in the same degree."""
-    family = _Family(geometry, symmetric, [leaf])
+    family = _Family(geometry, [leaf])
     mean = float(leaf.surface.coefficients[0])
     found = root_scalar(
         lambda mean: family.at(mean).rate,

@@ -110,7 +110,7 @@ def horizon_near(
 def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.0) -> FoundHorizon:
     """Find a horizon from an image of the sphere; see `horizon_near`."""
     found = refined(geometry, start, expansion)
-    at, discretization = found.solution.iterate, found.discretization
+    at, discretization = found.solution.iterate, found.solution.discretization
     surface = found.image.surface(_shifts(found, geometry, expansion))
     R = discretization.areal_radius(at)
     left = (
@@ -142,9 +142,9 @@ def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.
 
 def _shifts(found: Refined, geometry: ThreeGeometry, expansion: float) -> Floats:
     """Changes of f (2, size) from the error of the slice and from the residual of the expansion."""
-    at, discretization = found.solution.iterate, found.discretization
+    at, discretization = found.solution.iterate, found.solution.discretization
     equations = discretization.equations(at)
-    by_slice = equations.projected(discretization.expansion_errors(at)[:, None])[:, 0]
+    by_slice = equations.projected(discretization.expansion_errors(at))
     other, there = found.image.apart(geometry)
-    left = other.equations(there).projected((there.local.expansion - expansion)[:, None])[:, 0]
+    left = other.equations(there).projected(there.local.expansion - expansion)
     return np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)

@@ -11,8 +11,9 @@ References
 
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,16 +29,8 @@ HEADER = re.compile(r"#\s*(theta|z/r|u)\s+(phi|v)\s+(r|F)\b")  # u, v, F: GRChom
 NAME = re.compile(r"coords_(\w+)_(\d+)\.dat(?:\.gz)?")
 
 
-@dataclass(frozen=True)
-class FinderOutput:
-    """Row of the table stats_AH<number>.dat, which describes one coordinate file.
-
-    Attributes
-    ----------
-    time : float
-    origin : tuple of three floats
-        Origin of the angles and radii.
-    """
+class FinderOutput(NamedTuple):
+    """Time of a coordinate file, and origin of its angles and radii, in the table stats_AH<number>.dat."""
 
     time: float
     origin: tuple[float, float, float]

@@ -18,8 +18,6 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 
-DEGREES = (8, 12, 16)  # degrees of rotations in order of refinement, if there is no spin
-
 
 @short_repr
 @dataclass(frozen=True)
@@ -85,8 +83,8 @@ def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
 
 def _of_least_shear(data: SurfaceData) -> InvariantCoordinate:
     """Invariant coordinate of the rotation of least shear; the largest component of its axis is positive."""
-    few = rotations(data.metric, DEGREES[0], False)
-    for degree in DEGREES[1:]:
+    few = rotations(data.metric, 8, False)
+    for degree in (12, 16):
         more = rotations(data.metric, degree, False)
         before, potential = (three.coefficients @ three.weights_of_least_shear for three in (few, more))
         before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]

@@ -90,14 +90,14 @@ class Multipoles:
         """
         l = np.arange(len(moments[0]))
         displaced = l * (l + 1) * data.displacement
-        shape, rotation = (_estimates(*pair) for pair in zip(moments, errors + displaced, strict=True))
+        shape, rotation = (estimates(*pair) for pair in zip(moments, errors + displaced, strict=True))
         scale = np.sqrt(4.0 * np.pi / (2 * l + 1)) * R**l
         lengths = (l + 2) * (data.relative_error + ROUNDING)
         moved = (l + 1) * data.displacement
         spins = scale * R / (4.0 * np.pi) * moments[1]
         uncertain = scale * R / (4.0 * np.pi) * (errors[1] + np.where(l == 1, 0.0, displaced))
         uncertain += (lengths + np.where(l == 1, 0.0, moved)) * np.abs(spins)
-        found = None if data.normal_momentum is None else _estimates(spins, uncertain)
+        found = None if data.normal_momentum is None else estimates(spins, uncertain)
         angular_momentum = data.angular_momentum if found is None or data.charge else found[1].value
         if angular_momentum is None:
             return cls(shape, None if found is None else rotation, None, found)
@@ -106,7 +106,7 @@ class Multipoles:
         masses = scale * mass / (2.0 * np.pi) * moments[0]
         of_mass = abs(angular_momentum) / (2.0 * m * mass) * (uncertain[1] / (2.0 * m * mass))
         uncertain = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
-        heavy = _estimates(masses, uncertain + (lengths + moved + of_mass) * np.abs(masses))
+        heavy = estimates(masses, uncertain + (lengths + moved + of_mass) * np.abs(masses))
         if found is None and angular_momentum != 0.0:
             return cls(shape, None, heavy, None)
         return cls(shape, rotation, heavy, found or rotation)
@@ -139,5 +139,6 @@ def _moments(
     return np.stack([shape, norms * (slopes @ (weights * around))]), float(dA.sum())
 
 
-def _estimates(values: Floats, errors: Floats) -> tuple[Estimate, ...]:
+def estimates(values: Floats, errors: Floats) -> tuple[Estimate, ...]:
+    """Estimates from arrays of values and errors."""
     return tuple(Estimate(*pair) for pair in zip(values, errors, strict=True))

@@ -19,12 +19,17 @@ class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
     """Newton's method did not converge; the message says where."""
 
 
+FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
+"""Exceptions of `solve`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Surface of constant expansion, up to the truncation of the harmonics.
 
     Attributes
     ----------
+    discretization : Discretization
     iterate : Iterate
     expansion : float
     equations : Equations
@@ -34,6 +39,7 @@ class Solution:
         Root-mean-square displacement from the error of the slice, relative to the radius, for smooth errors.
     """
 
+    discretization: Discretization
     iterate: Iterate
     expansion: float
     equations: Equations
@@ -64,9 +70,8 @@ def solve(
     if expansion is None:
         expansion = float(discretization.transform.weights @ at.local.expansion / (4.0 * np.pi))
     equations, sizes = _linearized(discretization, at, free), list[float]()
-    noise = (
-        float(np.linalg.norm(equations.projected(discretization.expansion_errors(at)[:, None]))) / at.radius
-    )
+    by_slice = equations.projected(discretization.expansion_errors(at))
+    noise = float(np.linalg.norm(by_slice)) / at.radius
     enough = max(enough, 0.02 * noise, 1e-15)  # well below the error of the slice, or rounding
     while True:
         right, step = _residual(equations, at, expansion), len(sizes)
@@ -74,7 +79,7 @@ def solve(
         falls = not sizes or size <= 0.5 * sizes[-1]
         sizes.append(size)
         if size <= enough or (size <= ROUNDING and not falls):
-            return Solution(at, expansion, equations, step, noise)
+            return Solution(discretization, at, expansion, equations, step, noise)
         if step >= PATIENCE and size > 0.1 * sizes[step - PATIENCE]:
             raise NoConvergence(f"the residual {size:.2g} falls too slowly")
         change = equations.solved(right)
@@ -85,7 +90,7 @@ def solve(
             part, at, left = _moved(discretization, at, change, expansion, rate, equations)
         except NoConvergence:
             if size <= ROUNDING:
-                return Solution(at, expansion, equations, step, noise)
+                return Solution(discretization, at, expansion, equations, step, noise)
             raise
         expansion -= part * rate
         if left > 0.1 * size:  # otherwise the linearization is accurate enough to keep
@@ -128,4 +133,4 @@ def _moved(
 
 def _residual(equations: Equations, at: Iterate, expansion: float) -> Floats:
     """Projection (size,) of the excess of the expansion over the given one."""
-    return equations.projected((at.local.expansion - expansion)[:, None])[:, 0]
+    return equations.projected(at.local.expansion - expansion)

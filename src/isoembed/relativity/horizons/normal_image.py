@@ -8,9 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.discretization import DEALIASING, Discretization, Iterate
-from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.newton import FAILURES, NoConvergence, Solution, solve
 from isoembed.relativity.horizons.radial_image import root_mean_square
 from isoembed.relativity.horizons.refinement import Image
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
@@ -41,8 +40,6 @@ class NormalImage(Image):
     rounding: ClassVar[float] = 1e-11
     resolved: ClassVar[float] = np.inf
     patience: ClassVar[int] = 1
-    retries: ClassVar[int] = 4
-    failures: ClassVar[tuple[type[Exception], ...]] = (NoConvergence, InvalidMetric, InvalidParameter)
 
     map: HarmonicMap
     direction: HarmonicMap | None = None
@@ -68,24 +65,21 @@ class NormalImage(Image):
         """See `Image`."""
         return NormalImage(self.map.in_degree(min(self.highest, self.degree * 4 // 3)))
 
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[NormalImage, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[NormalImage, Solution, int]:
         """See `Image`; the normals are recomputed until the surface is stationary."""
         map, steps = self.map, 0
         for count in range(4):  # largest number of updates of the normals
             if count < 2:  # largest number of reparametrizations
                 map = map.reparametrized()
             image = NormalImage(map, map.normals())
-            discretization = image.discretized(geometry)
-            solution = solve(discretization, np.zeros(image.displacements.size), expansion)
+            solution = solve(image.discretized(geometry), np.zeros(image.displacements.size), expansion)
             f = solution.iterate.f
             map = image.displaced(f)
             steps += solution.steps
             # The displacement is too small to require new normals.
             if np.linalg.norm(f) <= 1e-10 * map.radius:
                 break
-        return replace(image, map=map), discretization, solution, steps
+        return replace(image, map=map), solution, steps
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
         """See `Image`."""
@@ -132,7 +126,7 @@ def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage
     for _ in range(200):  # leaves
         try:
             inner, expansion = _inside(geometry, map, step * start.radius)
-        except (NoConvergence, InvalidMetric, InvalidParameter):
+        except FAILURES:
             expansion = np.inf
         if expansion >= 0.0 and trapped and np.isfinite(expansion):
             return NormalImage(inner)

@@ -12,7 +12,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.horizons.discretization import DEALIASING, Discretization, Iterate
-from isoembed.relativity.horizons.newton import NoConvergence, Solution, solve
+from isoembed.relativity.horizons.newton import Solution, solve
 from isoembed.relativity.horizons.refinement import Image
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -35,8 +35,7 @@ class RadialImage(Image):
     Attributes
     ----------
     star : StarSurface
-    symmetric : bool
-        Whether slice and surface are symmetric about the z-axis.
+        Surface, without harmonics of nonzero order if slice and surface are symmetric about the z-axis.
     moves : int
         Remaining number of changes of the center.
     """
@@ -44,18 +43,15 @@ class RadialImage(Image):
     rounding: ClassVar[float] = 1e-12
     resolved: ClassVar[float] = 1e-3
     patience: ClassVar[int] = 2
-    retries: ClassVar[int] = 3
-    failures: ClassVar[tuple[type[Exception], ...]] = (NoConvergence,)
 
     star: StarSurface
-    symmetric: bool
     moves: int = 3
 
     @classmethod
     def of(cls, star: StarSurface, *, symmetric: bool) -> RadialImage:
         """Image of an initial guess."""
         degree = max(8, min(star.harmonics.degree, HIGHEST_DEGREES[int(symmetric)]))  # at least 8
-        return cls(in_degree(star, degree, symmetric), symmetric)
+        return cls(in_degree(star, degree, symmetric))
 
     @property
     def degree(self) -> int:
@@ -65,28 +61,25 @@ class RadialImage(Image):
     @property
     def highest(self) -> int:
         """See `Image`."""
-        return HIGHEST_DEGREES[int(self.symmetric)]
+        return HIGHEST_DEGREES[int(self.star.harmonics.order == 0)]
 
     def finer(self) -> RadialImage:
         """See `Image`: degrees 8, 12, 16, 24, 32, 48, ..."""
         power = 1 << (self.degree.bit_length() - 1)
         following = 2 * power if self.degree >= 3 * power // 2 else 3 * power // 2
-        return replace(self, star=in_degree(self.star, min(self.highest, following), self.symmetric))
+        return replace(self, star=in_degree(self.star, min(self.highest, following)))
 
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[RadialImage, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[RadialImage, Solution, int]:
         """See `Image`; about the centroid."""
         image, steps = self, 0
         while True:
             star = image.star
-            discretization = discretized(geometry, star)
-            solution = solve(discretization, star.coefficients, expansion)
+            solution = solve(discretized(geometry, star), star.coefficients, expansion)
             steps += solution.steps
             star = StarSurface(star.center, star.harmonics, solution.iterate.f)
-            centered = recentered(star, self.symmetric)
+            centered = recentered(star)
             if centered is star or image.moves == 0:
-                return replace(image, star=star), discretization, solution, steps
+                return replace(image, star=star), solution, steps
             image = replace(image, star=centered, moves=image.moves - 1)
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
@@ -118,8 +111,12 @@ def discretized(geometry: ThreeGeometry, surface: StarSurface) -> Discretization
     return _discretized(geometry, surface, n, 2 * n if harmonics.order else 1)
 
 
-def in_degree(surface: StarSurface, degree: int, symmetric: bool) -> StarSurface:
-    """Surface with its radius truncated or zero-padded to another degree."""
+def in_degree(surface: StarSurface, degree: int, symmetric: bool | None = None) -> StarSurface:
+    """Surface with its radius truncated or zero-padded to another degree.
+
+    Harmonics of nonzero order are left out if it is symmetric about the z-axis, by default if it has none.
+    """
+    symmetric = surface.harmonics.order == 0 if symmetric is None else symmetric
     harmonics = Harmonics(degree, 0 if symmetric else degree)
     c = resized(surface.coefficients[:, None], surface.harmonics, harmonics)
     return StarSurface(surface.center, harmonics, c[:, 0])
@@ -150,7 +147,7 @@ def _is_upright(surface: Surface) -> bool:
     return bool(np.abs(twist).max() <= 1e-12 * surface.mean_radius)  # rounding
 
 
-def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
+def recentered(surface: StarSurface) -> StarSurface:
     """Surface about its centroid, to the accuracy of its harmonics, unless the center is already close."""
     degree = surface.harmonics.degree
     n = 2 * degree + 4
@@ -158,7 +155,7 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
     r = surface.radius(u)
     volume = weights * r**3 / 3.0
     off = (volume * 0.75 * r) @ u / volume.sum()
-    if symmetric or not surface.harmonics.order:
+    if not surface.harmonics.order:
         off[:2] = 0.0
     if np.linalg.norm(off) <= 0.01 * surface.mean_radius:
         return surface

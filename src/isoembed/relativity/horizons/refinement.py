@@ -11,7 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.discretization import Discretization, Iterate
-from isoembed.relativity.horizons.newton import Solution
+from isoembed.relativity.horizons.newton import FAILURES, Solution
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -36,17 +36,11 @@ class Image(ABC):
         Residual below which a higher degree must reduce it.
     patience : int
         Number of successive degrees without a halved residual that end the refinement.
-    retries : int
-        Number of degrees without a solution before the search ends.
-    failures : tuple of exceptions
-        Exceptions after which a higher degree is tried.
     """
 
     rounding: ClassVar[float]
     resolved: ClassVar[float]
     patience: ClassVar[int]
-    retries: ClassVar[int]
-    failures: ClassVar[tuple[type[Exception], ...]]
 
     @property
     @abstractmethod
@@ -63,9 +57,7 @@ class Image(ABC):
         """Image in the next degree, or the largest."""
 
     @abstractmethod
-    def solved(
-        self, geometry: ThreeGeometry, expansion: float
-    ) -> tuple[Image, Discretization, Solution, int]:
+    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[Image, Solution, int]:
         """Nearby surface of constant expansion in this degree, and the number of Newton steps.
 
         Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
@@ -88,7 +80,6 @@ class Refined:
     Attributes
     ----------
     image : Image
-    discretization : Discretization
     solution : Solution
     residual : float
         Largest deviation from the prescribed expansion, times the areal radius, at nodes other than those of
@@ -99,7 +90,6 @@ class Refined:
     """
 
     image: Image
-    discretization: Discretization
     solution: Solution
     residual: float
     steps: int = 0
@@ -116,13 +106,13 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
     steps = stalled = failures = 0
     while True:
         try:
-            image, discretization, solution, more = image.solved(geometry, expansion)
+            image, solution, more = image.solved(geometry, expansion)
             apart, there = image.apart(geometry)
-        except image.failures:
+        except FAILURES:
             if best is not None and best.residual <= image.resolved:
                 return replace(best, steps=steps, end=End.STALLED)
             failures += 1
-            if failures > image.retries or image.degree >= image.highest:
+            if failures > 4 or image.degree >= image.highest:
                 raise
             image = image.finer()
             continue
@@ -132,7 +122,7 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         falls = best is None or residual <= 0.5 * best.residual
         stalled = 0 if falls or residual > image.resolved else stalled + 1
         if best is None or residual < best.residual:
-            best = Refined(image, discretization, solution, residual)
+            best = Refined(image, solution, residual)
         slice_error = R * float(np.abs(apart.expansion_errors(there)).max())
         if residual <= max(image.rounding, 0.1 * slice_error):  # well below the error of the slice
             return replace(best, steps=steps, end=End.RESOLVED)

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError
+from isoembed.io.hdf5 import text_of
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_table import read_text_table
 from isoembed.meshing.sphere import gauss_rule
@@ -35,7 +36,6 @@ MONOPOLE = "coef(0,0)"
 COLUMN = re.compile(r"\[\d+\]\s+(\S+)")  # comment in a text file: "[3] InertialExpansionCenter_z"
 CENTER = re.compile(r"(\w*)ExpansionCenter_[xyz]")
 FRAMES = ("Inertial", "")  # older files do not name the frame
-FEWEST = 16  # least number of circles of points, for a well-determined fit even of a sphere
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class HarmonicTable:
     @classmethod
     def in_dataset(cls, item: Any) -> "HarmonicTable | None":
         """Table of an HDF5 dataset; None if the dataset has another format."""
-        legend = [_decoded(name) for name in np.atleast_1d(item.attrs.get("Legend", ()))]
+        legend = [text_of(name) for name in np.atleast_1d(item.attrs.get("Legend", ()))]
         if MONOPOLE not in legend or item.ndim != 2 or item.shape[1] != len(legend):
             return None
         return cls(legend, item)
@@ -129,14 +129,10 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
     # Orthonormal harmonics are P_l0 / sqrt(2 pi), and P_lm cos(m phi) or sin(m phi) over sqrt(pi).
     orders = harmonics.labels[1]
     scale = np.where(orders == 0, np.sqrt(np.pi / 2.0), np.sign(orders) * np.sqrt(np.pi))
-    n = max(2 * (degree + 1), FEWEST)
+    n = max(2 * (degree + 1), 16)  # circles: enough for a well-determined fit even of a sphere
     u, _ = gauss_rule(n, 2 * n)
     r = harmonics.values(u) @ (scale * [row[name] for name in names])
     if not (r > 0.0).all():
         raise FileError(f"{source}: the radius is not positive everywhere, but {r.min():.6g} for one")
     center = np.array([row[name] for name in sorted(centers)])
     return CoordinateShape.star_shaped(center + r[:, None] * u, source, center, time=time)
-
-
-def _decoded(name: Any) -> str:
-    return name.decode("utf-8", errors="replace") if isinstance(name, bytes) else str(name)

@@ -16,17 +16,16 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, vectors_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, normal_momentum_of
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import resized
@@ -34,8 +33,6 @@ from isoembed.smooth.two_metric import is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
 
-DEGREES = (8, 12, 16, 22)  # degrees of the rotations' harmonics, in order of refinement
-SYMMETRIC_DEGREES = (8, 16, 32, 64)  # the same for a metric symmetric about the z-axis
 LENGTHS = 2.0  # error of an axis, or relative error of J, per relative error of lengths
 
 
@@ -105,11 +102,12 @@ def find_spin(data: SurfaceData) -> Spin | None:
         how = "J is given, and K(., n) is not" if J.value > 0.0 else "K(., n) vanishes"
         return Spin(J, None, None, (0.0, 0.0, 0.0), None, how)
     axisymmetric = is_axisymmetric(data.metric)
-    first, *others = SYMMETRIC_DEGREES if axisymmetric else DEGREES
-    trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, first, axisymmetric))
+    # Degrees of the rotations' harmonics, in order of refinement.
+    first, *others = (8, 16, 32, 64) if axisymmetric else (8, 12, 16, 22)
+    trial = _Trial.of(data, rotations(data.metric, first, axisymmetric))
     for degree in others:
         before = trial
-        trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, degree, axisymmetric))
+        trial = _Trial.of(data, rotations(data.metric, degree, axisymmetric))
         quiet = max(1e-11 * trial.J, trial.noise)  # tolerance for changes of J or its axis between degrees
         settled = max(abs(trial.J - before.J), trial.angle(before) * trial.J) <= quiet
         if settled and (
@@ -151,7 +149,7 @@ def torques(data: SurfaceData, u: Floats) -> Floats:
         return data.torque(u)
     if data.normal_momentum is None:
         return np.zeros_like(u)
-    return np.cross(u, vectors_of(data.normal_momentum, u, "K(., n)"))
+    return np.cross(u, normal_momentum_of(data, u))
 
 
 @dataclass(frozen=True)
@@ -183,13 +181,9 @@ class _Trial:
     potential: Floats
 
     @classmethod
-    def of(cls, data: SurfaceData, momentum: Callable[[Floats], Floats], three: Rotations) -> _Trial:
+    def of(cls, data: SurfaceData, three: Rotations) -> _Trial:
         u, dA = three.u, three.dA / (8.0 * np.pi)
-        j = np.asarray(momentum(u), dtype=np.float64)
-        if j.shape != u.shape:
-            raise InvalidParameter(
-                f"K(., n) at {len(u)} directions has the shape {j.shape}, not ({len(u)}, 3)"
-            )
+        j = normal_momentum_of(data, u)
         each = np.einsum("n,ni,nik->k", dA, j, three.fields)
         J = float(np.linalg.norm(each))
         along = each / J if J > 0.0 else np.array([1.0, 0.0, 0.0])
@@ -199,7 +193,7 @@ class _Trial:
             noise += 0.5 * data.torque.error.mean
         else:
             # The relative error of K(., n) is half that of lengths.
-            error = 0.5 * data.relative_error + error_of(momentum).mean
+            error = 0.5 * data.relative_error + error_of(data.normal_momentum).mean
             noise += error * float(dA @ np.linalg.norm(phi, axis=1))
             density = dA * np.einsum("ni,ni->n", j, phi)
             noise += LENGTHS * data.relative_error * float(np.abs(density).sum())

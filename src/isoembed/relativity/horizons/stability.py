@@ -64,5 +64,5 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
 
 def _moved(equations: Equations, f: Floats) -> Floats:
     """Projection of the normal displacement of f."""
-    moved = equations.linear.tilt[:, None] * equations.transform.values(f[:, None])
-    return equations.projected(moved)[:, 0]
+    moved = equations.linear.tilt * equations.transform.values(f[:, None])[:, 0]
+    return equations.projected(moved)

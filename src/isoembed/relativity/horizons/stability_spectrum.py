@@ -46,19 +46,10 @@ from isoembed.surface.estimate import Estimate
 Complexes = NDArray[np.complex128]
 Matrix = NDArray[Any]
 
-MOST = 200
-"""Maximum number of eigenvalues."""
-DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128, 192, 256)
-"""Degrees of eigenfunctions, in order of refinement, limited by the size of the matrices."""
-SMALL, UNCERTAIN = 0.5, 2.0
-"""Change between degrees at which to stop, relative to the error from the data; safety factor of that."""
 MARGIN = 8
 """Dimension of the subspace beyond twice the number of eigenvalues, for convergence of subspace iteration."""
-ITERATIONS = 60
 PAIRED = 1e-9
 """Least relative imaginary part of an eigenvalue of a complex pair."""
-COLUMNS = 128
-"""Number of harmonics per application of the operator, which bounds the memory."""
 
 
 @short_repr
@@ -131,7 +122,9 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     if not isinstance(horizon, FoundHorizon):
         raise InvalidParameter(f"the horizon is a {type(horizon).__name__}, not a FoundHorizon")
     n = checked_eigenvalues(n)
-    allowed: tuple[int, ...] = SYMMETRIC_DEGREES if _is_symmetric(horizon.surface) else DEGREES
+    # Degrees of eigenfunctions, in order of refinement, limited by the size of the matrices.
+    symmetric = _is_symmetric(horizon.surface)
+    allowed = (16, 24, 32, 48, 64, 96, 128, 192, 256) if symmetric else (12, 16, 24, 32, 48)
     degrees = tuple(degree for degree in allowed if (degree - 1) ** 2 >= 2 * n + MARGIN)
     operator = _Operator.of(horizon, degrees[0], n)
     found = operator.spectrum(n)
@@ -140,7 +133,7 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
         before, operator = found, _Operator.of(horizon, degree, n)
         found = operator.spectrum(n)
         change = found.apart(before)
-        if np.all(change <= np.maximum(SETTLED * found.size, SMALL * data_errors[: len(change)])):
+        if np.all(change <= np.maximum(SETTLED * found.size, 0.5 * data_errors[: len(change)])):
             break
     errors = change + SETTLED * found.size + data_errors[: len(change)]
     return StabilitySpectrum(found.values, errors, found.orders, operator.areal_radius)
@@ -162,7 +155,7 @@ def spectrum_lines(report: dict[str, Any]) -> Iterator[str]:
 
 def checked_eigenvalues(n: SupportsIndex) -> int:
     """Checked number of eigenvalues.  Raises `InvalidParameter`: it is out of range."""
-    return checked_count("the number of eigenvalues", n, 1, MOST)
+    return checked_count("the number of eigenvalues", n, 1, 200)
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,10 +192,9 @@ def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> 
     if isinstance(surface, MappedSurface):
         map = HarmonicMap(surface.harmonics, surface.coefficients)
         return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))
-    transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
+    transform = SphereTransform(surface.harmonics, heights, around)
     star = SurfaceFamily.star(surface.center, transform.u)
-    radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
-    return replace(star, base=star.at(*radius))
+    return replace(star, base=star.at_nodes(transform, surface.coefficients))
 
 
 def _linearized(family: SurfaceFamily, geometry: ThreeGeometry) -> LinearizedExpansion:
@@ -303,8 +295,9 @@ class _Operator:
         T, size = self.transform, self.transform.harmonics.size
         weights = (self.weights * self.linear.scale)[:, None]
         A, B = np.empty((2, size, size))
-        for begin in range(0, size, COLUMNS):
-            part = slice(begin, begin + COLUMNS)
+        columns = 128  # harmonics per application of the operator, which bounds the memory
+        for begin in range(0, size, columns):
+            part = slice(begin, begin + columns)
             c = np.eye(size)[:, part]
             values = T.values(c)
             theta = self.linear.applied(values, T.gradients(c), T.hessians(c))
@@ -328,7 +321,7 @@ class _Operator:
         )
         X = np.eye(size)[:, np.argsort(degrees, kind="stable")[:count]]
         before = np.full(n, np.inf)
-        for _ in range(ITERATIONS):
+        for _ in range(60):
             X = qr(lu_solve(factors, B @ X), mode="economic")[0]
             values = eig(X.conj().T @ A @ X, X.conj().T @ B @ X, right=False)
             values = values[np.argsort(values.real, kind="stable")]
@@ -351,7 +344,7 @@ def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Float
     coarser = _linearized(longer, horizon.geometry)
     by_differences = found.apart(replace(operator, linear=coarser).spectrum(n), 1) / 32.0
     uncertain = horizon.geometry.error(partial(_coefficients, operator.family))
-    errors = UNCERTAIN * found.apart(operator.changed(uncertain).spectrum(n), 1)
+    errors = 2.0 * found.apart(operator.changed(uncertain).spectrum(n), 1)
     for moved in _deviating(horizon.surface):
         there = _Operator.of(replace(horizon, surface=moved), operator.transform.harmonics.degree, n)
         errors = np.hypot(errors, found.apart(there.spectrum(n), 1))

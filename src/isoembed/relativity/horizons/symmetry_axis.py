@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.radial_image import HIGHEST_DEGREES, is_symmetric
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import RotatedFrame
 from isoembed.smooth.harmonics import Harmonics
@@ -21,71 +20,57 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 
 
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """Symmetry axis of a slice through the center of a sphere.
+def horizon_in_slice(found: FoundHorizon, frame: RotatedFrame) -> FoundHorizon:
+    """Transform a horizon from a frame with the symmetry axis as its z-axis to the slice."""
+    return replace(found, surface=_surface_in_slice(found.surface, frame), geometry=frame.geometry)
 
-    Attributes
-    ----------
-    geometry : ThreeGeometry
-    frame : RotatedFrame
-        Slice in a frame with this axis as its z-axis.
+
+def averaged(surface: StarSurface, frame: RotatedFrame) -> StarSurface:
+    """Surface of revolution in a frame, by the mean of the radius of a surface about the axis."""
+    rotation, origin = frame.rotation, frame.origin
+    degree = surface.harmonics.degree
+    T = SphereTransform(Harmonics(degree, 0), degree + 1, 1)
+    u, _ = gauss_rule(degree + 1, 2 * degree + 2)
+    r = surface.radius(u @ rotation.T).reshape(degree + 1, -1).mean(axis=1)
+    center = rotation.T @ (np.array(surface.center) - origin)
+    return StarSurface((0.0, 0.0, float(center[2])), T.harmonics, T.analysis(r[:, None])[:, 0])
+
+
+def _surface_in_slice(found: StarSurface | MappedSurface, frame: RotatedFrame) -> StarSurface | MappedSurface:
+    """Transform a surface of revolution from a frame to the coordinates of the slice.
+
+    The result is star-shaped, by the addition theorem of harmonics, unless the degree is too high; otherwise
+    it is a map from the directions of the frame.
     """
-
-    geometry: ThreeGeometry
-    frame: RotatedFrame
-
-    def surface(self, found: Surface) -> Surface:
-        """Transform a surface of revolution from the frame to the coordinates of the slice.
-
-        The result is star-shaped, by the addition theorem of harmonics, unless the degree is too high;
-        otherwise it is a map from the directions of the frame.
-        """
-        rotation, origin = self.frame.rotation, self.frame.origin
-        if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREES[0]:
-            center = (origin + rotation @ np.array(found.center)).tolist()
-            harmonics = Harmonics(found.harmonics.degree, found.harmonics.degree)
-            fit = deviating(found.harmonics)
-            drawn = None
-            if found.deviations is not None:
-                zonal = resized(found.deviations.T, fit, Harmonics(fit.degree, 0)).T
-                drawn = np.stack([self._turned(each, fit) for each in zonal])
-            f = self._turned(found.coefficients, harmonics)
-            return StarSurface(center, harmonics, f, found.misfit, drawn, found.notes)
-        mapped = _mapped(found) if isinstance(found, StarSurface) else found
-        assert isinstance(mapped, MappedSurface)
-        coefficients = mapped.coefficients @ rotation.T
-        coefficients[0] += np.sqrt(4.0 * np.pi) * origin
-        drawn = None if mapped.deviations is None else mapped.deviations @ rotation.T
-        return MappedSurface(
-            mapped.harmonics, coefficients, misfit=mapped.misfit, deviations=drawn, notes=mapped.notes
-        )
-
-    def horizon(self, found: FoundHorizon) -> FoundHorizon:
-        """Transform a horizon from the frame to the slice."""
-        surface = self.surface(found.surface)
-        assert isinstance(surface, StarSurface | MappedSurface)
-        return replace(found, surface=surface, geometry=self.geometry)
-
-    def averaged(self, surface: StarSurface) -> StarSurface:
-        """Surface of revolution in the frame, by the mean of the radius of a surface about the axis."""
-        rotation, origin = self.frame.rotation, self.frame.origin
-        degree = surface.harmonics.degree
-        T = SphereTransform(Harmonics(degree, 0), degree + 1, 1)
-        u, _ = gauss_rule(degree + 1, 2 * degree + 2)
-        r = surface.radius(u @ rotation.T).reshape(degree + 1, -1).mean(axis=1)
-        center = rotation.T @ (np.array(surface.center) - origin)
-        return StarSurface((0.0, 0.0, float(center[2])), T.harmonics, T.analysis(r[:, None])[:, 0])
-
-    def _turned(self, zonal: Floats, harmonics: Harmonics) -> Floats:
-        """Coefficients of a function of the angle from the axis, by the addition theorem of harmonics."""
-        degrees, _ = harmonics.labels
-        Y = harmonics.values(self.frame.rotation[None, :, 2])[0]
-        return np.asarray(np.sqrt(4.0 * np.pi / (2.0 * degrees + 1.0)) * zonal[degrees] * Y)
+    rotation, origin = frame.rotation, frame.origin
+    if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREES[0]:
+        center = (origin + rotation @ np.array(found.center)).tolist()
+        harmonics = Harmonics(found.harmonics.degree, found.harmonics.degree)
+        fit = deviating(found.harmonics)
+        drawn = None
+        if found.deviations is not None:
+            zonal = resized(found.deviations.T, fit, Harmonics(fit.degree, 0)).T
+            drawn = np.stack([_turned(each, fit, rotation[:, 2]) for each in zonal])
+        f = _turned(found.coefficients, harmonics, rotation[:, 2])
+        return StarSurface(center, harmonics, f, found.misfit, drawn, found.notes)
+    mapped = _mapped(found) if isinstance(found, StarSurface) else found
+    coefficients = mapped.coefficients @ rotation.T
+    coefficients[0] += np.sqrt(4.0 * np.pi) * origin
+    drawn = None if mapped.deviations is None else mapped.deviations @ rotation.T
+    return MappedSurface(
+        mapped.harmonics, coefficients, misfit=mapped.misfit, deviations=drawn, notes=mapped.notes
+    )
 
 
-def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
-    """Find the symmetry axis of a slice through the center of a sphere.
+def _turned(zonal: Floats, harmonics: Harmonics, axis: Floats) -> Floats:
+    """Coefficients of a function of the angle from an axis, by the addition theorem of harmonics."""
+    degrees, _ = harmonics.labels
+    Y = harmonics.values(axis[None])[0]
+    return np.asarray(np.sqrt(4.0 * np.pi / (2.0 * degrees + 1.0)) * zonal[degrees] * Y)
+
+
+def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> RotatedFrame | None:
+    """Frame with a symmetry axis of a slice through the center of a sphere as its z-axis.
 
     Candidates are the dipole and the principal axes of the expansion on the sphere; an axis is accepted if
     the expansion of several surfaces is symmetric about it.  The result is None if no candidate is accepted,
@@ -104,7 +89,7 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
     for axis in candidates:
         frame = RotatedFrame(geometry, center, _upright(axis))
         if is_symmetric(frame, StarSurface.sphere((0.0, 0.0, 0.0), sphere.mean_radius)):
-            return Axis(geometry, frame)
+            return frame
     return None
 
 

@@ -17,9 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables
-from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in
+from isoembed.io.hdf5 import HDF5_ENDINGS, check_data_set, groups_in
 from isoembed.io.input_file import InputFile
 
 RANK = {
@@ -118,6 +117,5 @@ def _has_times(name: str, data: Any, rank: int, count: int) -> bool:
 
 
 def _part(data: Any, file: InputFile, where: tuple[int, ...]) -> Any:
-    size = data.nbytes // data.shape[0] if where else data.nbytes
-    check_expansion(f"{data.name} of {file}", size, data.id.get_storage_size())
+    check_data_set(data, file, data.nbytes // data.shape[0] if where else data.nbytes)
     return data[where]

@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.errors import NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.relativity.horizons.finder import find_horizons
 from isoembed.relativity.horizons.foliation import inside
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
-from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.newton import FAILURES
 from isoembed.relativity.horizons.radial_image import is_symmetric
-from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.horizons.symmetry_axis import averaged, horizon_in_slice, symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
@@ -128,15 +128,16 @@ def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | 
     """Stable horizon near one of the previous slice, or None if Newton's method does not find it."""
     surface = before.surface
     try:
-        symmetric, axis = is_symmetric(geometry, surface), None
+        symmetric, frame = is_symmetric(geometry, surface), None
         if isinstance(surface, StarSurface) and not symmetric:
-            axis = symmetry_axis(geometry, StarSurface.sphere(surface.center, surface.mean_radius))
-        if axis is None:
+            frame = symmetry_axis(geometry, StarSurface.sphere(surface.center, surface.mean_radius))
+        if frame is None:
             horizon = horizon_near(geometry, surface, symmetric=symmetric)
         else:
             assert isinstance(surface, StarSurface)
-            horizon = axis.horizon(horizon_near(axis.frame, axis.averaged(surface), symmetric=True))
-    except (NoConvergence, InvalidMetric, InvalidParameter):
+            horizon = horizon_near(frame, averaged(surface, frame), symmetric=True)
+            horizon = horizon_in_slice(horizon, frame)
+    except FAILURES:
         return None
     return horizon if horizon.outer else None
 

@@ -26,7 +26,6 @@ from isoembed.arrays import Floats
 from isoembed.io.files import FileError
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
-PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
 NUMBERED = ("11", "12", "13", "22", "23", "33")
 
 

@@ -8,27 +8,39 @@ coarser one.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.io.digest import file_digest, file_state, unchanged
 from isoembed.io.files import FileError
-from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
-from isoembed.relativity.spacetimes.cartesian_grid import ACROSS, ERROR_FACTOR, STENCIL, CartesianGrid, wider
+from isoembed.relativity.series.refined_grid import Component, Layout, Level, Piece
+from isoembed.relativity.spacetimes.cartesian_grid import (
+    ACROSS,
+    ERROR_FACTOR,
+    STENCIL,
+    CartesianGrid,
+    WiderStencil,
+)
 from isoembed.relativity.spacetimes.checks import refuse_points, written
-from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import (
+    DerivedGeometry,
+    InterpolatedGeometry,
+    ThreeGeometry,
+)
 
 CUBE = 32  # points along the edge of a cube read at once: 7 MB with its margin
 KEPT = 64  # number of cubes kept in memory without points of the latest evaluation
-LATEST = 4  # number of cached sets of points, as metric, gradient and K_ij are evaluated in turn
 BEFORE = STENCIL // 2  # points before the one left of x: one more than the interpolation needs
-AFTER = STENCIL // 2 + 1  # points after it: the error estimate needs two more
-EDGE = BEFORE + CUBE + AFTER
+EDGE = BEFORE + CUBE + BEFORE + 1  # one more after it: the error estimate needs two more
 
 Cell = tuple[int, int, int, int]
 """Index of a level in the list of levels, and a cube of its lattice."""
@@ -42,37 +54,82 @@ class PatchData(Layout, Protocol):
         ...
 
 
-class PatchSource(Protocol):
-    """Files with the data of one slice."""
+@dataclass(frozen=True)
+class PatchSlice(ABC):
+    """Slice in files of patches, a `SliceSource`.
+
+    Attributes
+    ----------
+    paths : tuple of str
+        Paths of the files, several if variables or processes have separate files.
+    """
+
+    paths: tuple[str, ...]
 
     @property
     def name(self) -> str:
-        """Name for messages."""
-        ...
+        """First path, and the number of the others."""
+        more = f" and {len(self.paths) - 1} more" if len(self.paths) > 1 else ""
+        return self.paths[0] + more
+
+    @property
+    def files(self) -> Sequence[str | Path]:
+        """Files of the slice."""
+        return self.paths
+
+    @abstractmethod
+    def data(self, closing: contextlib.ExitStack) -> PatchData:
+        """Data of the files, which stay open until `closing` is closed.
+
+        Raises `FileError`: a file cannot be read, or lacks a variable.
+        """
 
     @property
     def state(self) -> Any:
         """State of the files, which changes if they are modified."""
-        ...
+        return tuple(file_state(path) for path in self.files)
 
-    def opened(self) -> contextlib.AbstractContextManager[PatchData]:
-        """Context manager that opens the files."""
-        ...
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[PatchData]:
+        """Context manager that opens the files, and checks that they are not modified meanwhile."""
+        with contextlib.ExitStack() as closing:
+            for path in self.files:
+                closing.enter_context(unchanged(path))
+            yield self.data(closing)
+
+    def digest(self) -> str:
+        """Hash of the files.  Raises `FileError`: a file cannot be read, or changes meanwhile."""
+        return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
+
+    def read(self, low: Floats, high: Floats) -> AMRGrid:
+        """Slice that reads lazily the parts needed by surfaces.
+
+        Raises `FileError`: a file cannot be read, or lacks a variable.
+        """
+        return self.whole()
+
+    def whole(self) -> AMRGrid:
+        """See `read`, for the whole slice.  Raises `FileError`: see `read`."""
+        with self.opened():
+            return AMRGrid(self, self.state)
 
 
 @dataclass(frozen=True, eq=False)
-class AMRGrid(ThreeGeometry):
+class AMRGrid(InterpolatedGeometry):
     """Slice on refinement levels.
+
+    Evaluation of a field raises `InvalidParameter`: no level contains a point with its interpolation stencil;
+    `FileError`: the files cannot be read, or have been modified.
 
     Attributes
     ----------
-    source : PatchSource
+    source : PatchSlice
         Source of the data, read when needed.
     state : object
         State of the files; nothing more is read after they have been modified.
     """
 
-    source: PatchSource
+    source: PatchSlice
     state: Any
 
     @property
@@ -99,22 +156,6 @@ class AMRGrid(ThreeGeometry):
         room = BEFORE - 1
         return level.origin + level.spacing * (low + room), level.origin + level.spacing * (high - 1 - room)
 
-    def metric(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`.
-
-        Raises `InvalidParameter`: no level contains a point with its interpolation stencil; `FileError`: the
-        files cannot be read, or have been modified.
-        """
-        return self._values("metric", x, (3, 3))
-
-    def gradient(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._values("gradient", x, (3, 3, 3))
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._values("extrinsic_curvature", x, (3, 3))
-
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: as in `CartesianGrid`."""
         return np.asarray(ERROR_FACTOR * (quantity(_Wider(self)) - quantity(self)))
@@ -124,20 +165,20 @@ class AMRGrid(ThreeGeometry):
         coarsest = min(number for (number, *_), _ in self._located(x))
         return ACROSS * float(self._levels[coarsest].spacing.max())
 
-    def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
-        out = np.empty((len(x), *shape))
+    def _field(self, name: str, x: Floats, more: bool = False) -> Floats:
+        out = np.empty((len(x), *[3] * (3 if name == "gradient" else 2)))
         located = self._located(np.asarray(x, dtype=np.float64))
         self._read([cell for cell, _ in located])
         for cell, points in located:
             cube = self._cubes[cell]
-            out[points] = getattr(wider(cube) if more else cube, field)(x[points])
+            out[points] = getattr(WiderStencil(cube) if more else cube, name)(x[points])
         return out
 
     def _located(self, x: Floats) -> list[tuple[Cell, Indices]]:
         """Cubes, and the indices of the points interpolated in each."""
         key = x.tobytes()
         if key not in self._latest:
-            while len(self._latest) >= LATEST:
+            if len(self._latest) == 4:  # size of the cache
                 del self._latest[next(iter(self._latest))]
             self._latest[key] = self._searched(x)
         return self._latest[key]
@@ -172,21 +213,12 @@ class AMRGrid(ThreeGeometry):
         )
         return out
 
-    def _cover(self, cell: Cell) -> tuple[list[tuple[Block, Indices, Indices]], Mask]:
-        """Blocks that fill a cube, and the mask of its points with a complete interpolation stencil."""
+    def _cover(self, cell: Cell) -> tuple[list[Piece], Mask]:
+        """Pieces that fill a cube, and the mask of its points with a complete interpolation stencil."""
         if cell not in self._covers:
             number, *cube = cell
             start = np.array(cube) * CUBE - BEFORE
-            there = np.zeros((EDGE, EDGE, EDGE), dtype=bool)
-            pieces = []
-            lows, highs = self._ends[number]
-            for k in np.flatnonzero(((lows < start + EDGE) & (highs > start)).all(axis=1)):
-                low, high = np.maximum(lows[k], start), np.minimum(highs[k], start + EDGE)
-                here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
-                if not there[here].all():
-                    there[here] = True
-                    pieces.append((self._levels[number].blocks[k], low, high))
-            whole: Mask = there
+            pieces, whole = self._levels[number].pieces(start, start + EDGE)
             for axis in range(3):
                 whole = np.all(sliding_window_view(whole, STENCIL, axis=axis), axis=-1)
             inner = slice(1, 1 + CUBE)
@@ -208,13 +240,11 @@ class AMRGrid(ThreeGeometry):
                 level = self._levels[number]
                 start = np.array(cube) * CUBE - BEFORE
                 tables = np.full((12, EDGE, EDGE, EDGE), np.nan)
-                for block, low, high in reversed(self._cover(cell)[0]):
-                    values = data.values(data.levels[number], block.component, block.part(low, high))
-                    here = tuple(slice(*ends) for ends in zip(low - start, high - start, strict=True))
+                for piece in reversed(self._cover(cell)[0]):
+                    values = data.values(data.levels[number], piece.block.component, piece.part)
                     for row in range(12):
-                        source, sign = block.map.entry(row % 6)
-                        turned = block.map.turned(values[row - row % 6 + source])
-                        np.multiply(turned, sign, out=tables[row][here])
+                        source, sign = piece.block.map.entry(row % 6)
+                        piece.put(values[row - row % 6 + source], sign, tables[row], start)
                 origin = (level.origin + level.spacing * start).tolist()
                 self._cubes[cell] = CartesianGrid(origin, level.spacing.tolist(), tables[:6], tables[6:])
 
@@ -231,15 +261,7 @@ class AMRGrid(ThreeGeometry):
             return [Level.of(data, level) for level in data.levels]
 
     @cached_property
-    def _ends(self) -> list[tuple[Indices, Indices]]:
-        """Ends of the blocks of each level."""
-        return [
-            (np.array([b.low for b in level.blocks]), np.array([b.high for b in level.blocks]))
-            for level in self._levels
-        ]
-
-    @cached_property
-    def _covers(self) -> dict[Cell, tuple[list[tuple[Block, Indices, Indices]], Mask]]:
+    def _covers(self) -> dict[Cell, tuple[list[Piece], Mask]]:
         return {}
 
     @cached_property
@@ -255,16 +277,10 @@ class AMRGrid(ThreeGeometry):
 
 
 @dataclass(frozen=True, eq=False)
-class _Wider(DerivedGeometry):
+class _Wider(InterpolatedGeometry, DerivedGeometry):
     """Slice interpolated with two more points along each axis, or two fewer where these are missing."""
 
     grid: AMRGrid
 
-    def metric(self, x: Floats) -> Floats:
-        return self.grid._values("metric", x, (3, 3), more=True)
-
-    def gradient(self, x: Floats) -> Floats:
-        return self.grid._values("gradient", x, (3, 3, 3), more=True)
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        return self.grid._values("extrinsic_curvature", x, (3, 3), more=True)
+    def _field(self, name: str, x: Floats) -> Floats:
+        return self.grid._field(name, x, more=True)

@@ -23,18 +23,18 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.io.files import FileError
+from isoembed.io.files import FileError, reading
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, variables_in
+from isoembed.relativity.series.amr_grid import PatchSlice
+from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
 from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice
-from isoembed.relativity.series.refined_grid import Component
+from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 
 HEADER, VERSION = "Header", "HyperCLaw-V1.1"
 KNOWN = (GRCHOMBO, AdmVariables())
 CELL_VERSION = "1"  # version with a line of text before each box, the default of AMReX
 INTEGER = re.compile(r"-?\d+")
-LINE = 4096  # largest length of the line before a box in bytes; a tenth is usual
 SAME = ("low", "high", "nodal")  # attributes that agree in all plot files of a slice
 REALS = {  # bits of the exponent and so on, and the order of the bytes
     ("64 11 52 0 1 12 0 1023", "8 7 6 5 4 3 2 1"): "<f8",
@@ -47,11 +47,7 @@ FAB = re.compile(rb"FAB \(\((\d+), \(([\d ]+)\)\),\((\d+), \(([\d ]+)\)\)\)(\(\(
 
 def is_plot_file(path: Path) -> bool:
     """Whether a folder is a plot file of AMReX, of any version."""
-    try:
-        with (path / HEADER).open("rb") as file:
-            return file.read(len(VERSION)).startswith(b"HyperCLaw")
-    except OSError:
-        return False
+    return begins_with(path / HEADER, b"HyperCLaw")
 
 
 def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
@@ -131,8 +127,8 @@ class _Header:
     @classmethod
     def read(cls, path: Path) -> _Header:
         """Read the file ``Header`` of a plot file."""
-        lines = _lines(path / HEADER)
-        try:
+        with reading(path / HEADER):
+            lines = _lines(path / HEADER)
             version = next(lines)
             if version != VERSION:
                 raise FileError(f"{path / HEADER} has the version {version!r}, not {VERSION}")
@@ -158,10 +154,6 @@ class _Header:
                     next(lines)
                 cells.append(path / f"{next(lines).strip()}_H")
             return cls(path, names, time, int(steps[0]), low, first, spacing, cells)
-        except FileError:
-            raise
-        except (StopIteration, ValueError, IndexError):
-            raise FileError(f"{path / HEADER} is cut short or damaged") from None
 
 
 @dataclass(frozen=True)
@@ -188,8 +180,8 @@ class _Level:
     @classmethod
     def read(cls, path: Path, count: int) -> _Level:
         """Read a file ``Cell_H`` of a plot file with a given number of variables."""
-        lines = _lines(path)
-        try:
+        with reading(path):
+            lines = _lines(path)
             if (version := next(lines).strip()) != CELL_VERSION:
                 raise FileError(f"{path} has the version {version}, not {CELL_VERSION}")
             next(lines)  # distribution of the data over files, which is repeated below
@@ -206,36 +198,29 @@ class _Level:
             if len(places) != number or number == 0:
                 raise FileError(f"{path} has {number} boxes, but the positions of {len(places)}")
             return cls(boxes[:, 0], boxes[:, 1], boxes[0, 2], ghosts, places)
-        except FileError:
-            raise
-        except (StopIteration, ValueError, IndexError):
-            raise FileError(f"{path} is cut short or damaged") from None
 
     def values(self, box: int, columns: list[int], part: tuple[slice, ...]) -> Floats:
         """Values of some variables on a part of a box, (n, nx, ny, nz)."""
         path, start = self.places[box]
         nx, ny, nz = shape = (self.high[box] - self.low[box] + 1 + 2 * self.ghosts).tolist()
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, self.ghosts.tolist(), strict=True))
+        i, j, k = beyond_ghosts(part, self.ghosts.tolist())
         rows = []
-        try:
-            with path.open("rb") as file:
-                file.seek(start)
-                head = FAB.fullmatch(file.readline(LINE))
-                kind = head and REALS.get((head[2].decode(), head[4].decode()))
-                if not head or not kind:
-                    raise FileError(f"{path} has no box of numbers in a known format at byte {start}")
-                stored = _boxes(head[5].decode())[0]
-                if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= int(head[6]):
-                    raise FileError(f"{path}: the box at byte {start} differs from that in Cell_H")
-                first, dtype, count = file.tell(), np.dtype(kind), (k.stop - k.start) * ny * nx
-                for column in columns:
-                    file.seek(first + dtype.itemsize * nx * ny * (column * nz + k.start))
-                    planes = np.fromfile(file, dtype, count)
-                    if len(planes) < count:
-                        raise FileError(f"{path} is cut short")
-                    rows.append(planes.reshape(-1, ny, nx)[:, j, i].T)
-        except OSError as error:
-            raise FileError(f"cannot read {path}: {error.strerror}") from None
+        with reading(path), path.open("rb") as file:
+            file.seek(start)
+            head = FAB.fullmatch(file.readline(4096))  # a tenth of this is usual
+            kind = head and REALS.get((head[2].decode(), head[4].decode()))
+            if not head or not kind:
+                raise FileError(f"{path} has no box of numbers in a known format at byte {start}")
+            stored = _boxes(head[5].decode())[0]
+            if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= int(head[6]):
+                raise FileError(f"{path}: the box at byte {start} differs from that in Cell_H")
+            first, dtype, count = file.tell(), np.dtype(kind), (k.stop - k.start) * ny * nx
+            for column in columns:
+                file.seek(first + dtype.itemsize * nx * ny * (column * nz + k.start))
+                planes = np.fromfile(file, dtype, count)
+                if len(planes) < count:
+                    raise FileError(f"{path} is cut short")
+                rows.append(planes.reshape(-1, ny, nx)[:, j, i].T)
         return np.stack(rows).astype(np.float64)
 
 
@@ -265,10 +250,7 @@ class _Data:
         spacing = header.spacing[level]
         points = first.low - header.first[level] + 0.5 * (1 - first.nodal)
         origins, shapes = header.low + spacing * points, first.high - first.low + 1
-        return [
-            Component(box, *(tuple(each.tolist()) for each in (origins[box], spacing, shapes[box])))
-            for box in range(len(points))
-        ]
+        return [Component.of(box, origins[box], spacing, shapes[box]) for box in range(len(points))]
 
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
         tables = [
@@ -297,12 +279,7 @@ class _Data:
 
 def _lines(path: Path) -> Iterator[str]:
     """Lines of a text file."""
-    try:
-        yield from path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise FileError(f"{path} is not a text file") from None
+    return iter(path.read_text(encoding="utf-8").splitlines())
 
 
 def _boxes(line: str) -> Indices:

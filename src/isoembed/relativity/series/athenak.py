@@ -26,20 +26,21 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.io.files import FileError
+from isoembed.io.files import FileError, reading
 from isoembed.relativity.series.adm_variables import (
-    PAIRS,
     AdmVariables,
     ConformalVariables,
     Variables,
     rank,
     variables_in,
 )
+from isoembed.relativity.series.amr_grid import PatchSlice
+from isoembed.relativity.series.file_names import begins_with
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
-from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
-from isoembed.relativity.series.refined_grid import Component
+from isoembed.relativity.series.moment import ListedFile, best_of_moments
+from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, lagrange_weights
+from isoembed.relativity.spacetimes.slice_file import PAIRS
 
 MAGIC, VERSION = "Athena binary output version=", "1.1"
 RANK = re.compile(r"rank_\d+")  # folder of the files of a process
@@ -57,13 +58,7 @@ class AthenaKSlice(PatchSlice):
 
 def is_athenak(path: Path) -> bool:
     """Whether a file is of AthenaK, of any version."""
-    if not path.is_file():
-        return False
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC.encode()
-    except OSError:
-        return False
+    return begins_with(path, MAGIC.encode())
 
 
 def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
@@ -130,15 +125,8 @@ class _File:
     @classmethod
     def read(cls, path: Path) -> _File:
         """Read everything except the data of the blocks."""
-        try:
-            with path.open("rb") as file:
-                return cls._read(path, file)
-        except FileError:
-            raise
-        except OSError as error:
-            raise FileError(f"cannot read {path}: {error.strerror}") from None
-        except (ValueError, KeyError, TypeError, IndexError):
-            raise FileError(f"{path} is cut short or damaged") from None
+        with reading(path), path.open("rb") as file:
+            return cls._read(path, file)
 
     @classmethod
     def _read(cls, path: Path, file: BinaryIO) -> _File:
@@ -190,12 +178,8 @@ class _File:
         """Data of a block, (variables, nz, ny, nx)."""
         size = self.heads.itemsize
         at = self.start + index * (size + self.data.itemsize) + size
-        try:
+        with reading(self.path):
             return np.fromfile(self.path, self.data, 1, offset=at)[0]
-        except OSError as error:
-            raise FileError(f"cannot read {self.path}: {error.strerror}") from None
-        except (ValueError, IndexError):
-            raise FileError(f"{self.path} is cut short in the MeshBlock {index}") from None
 
 
 @dataclass(frozen=True)
@@ -251,8 +235,8 @@ class _Data:
                     low, high = file.heads["corners"][record].astype(np.float64).T
                     shape = np.array(self._cells) >> coarsened
                     spacing = (high - low) / shape
-                    place = (tuple(each.tolist()) for each in (low + 0.5 * spacing, spacing, shape))
-                    out.append(Component(_Block(number, int(record), coarsened), *place))
+                    block = _Block(number, int(record), coarsened)
+                    out.append(Component.of(block, low + 0.5 * spacing, spacing, shape))
         return out
 
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
@@ -260,7 +244,7 @@ class _Data:
         data = self._files[block.file].block(block.record)
         ghosts = [(n - cells) // 2 for n, cells in zip(data.shape[:0:-1], self._cells, strict=True)]
         selection = part if block.coarsened == 0 else tuple(slice(0, n) for n in self._cells)
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(selection, ghosts, strict=True))
+        i, j, k = beyond_ghosts(selection, ghosts)
         rows = [data[column, k, j, i].T for column in self._columns]
         fields = self._variables.adm(np.stack(rows).astype(np.float64))
         if block.coarsened == 0:

@@ -25,7 +25,7 @@ from isoembed.io.digest import unchanged
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
-from isoembed.relativity.series.refined_grid import Component, covering_grid
+from isoembed.relativity.series.refined_grid import Component, beyond_ghosts, covering_grid
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA
 
@@ -149,7 +149,7 @@ class _Reader:
             raise FileError(
                 f"{self._path}: {data.name[1:]} has {data.shape[::-1]} points, but gxx {expected[::-1]}"
             )
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, ghosts, strict=True))
+        i, j, k = beyond_ghosts(part, ghosts)
         rows = data[k, j]  # whole rows, as shorter pieces take ten times as long
         return np.asarray(rows[:, :, i], dtype=np.float64).T  # the files have [k, j, i]
 
@@ -173,10 +173,7 @@ class _Reader:
         if self._parts[GAMMA[0], tail].has_ghosts and "cctk_nghostzones" in data.attrs:
             ghosts += data.attrs["cctk_nghostzones"]
         shape = np.array(data.shape[::-1]) - 2 * ghosts
-        first = origin + spacing * ghosts
-        return Component(
-            (tail, tuple(ghosts.tolist())), *(tuple(x.tolist()) for x in (first, spacing, shape))
-        )
+        return Component.of((tail, tuple(ghosts.tolist())), origin + spacing * ghosts, spacing, shape)
 
 
 @contextlib.contextmanager

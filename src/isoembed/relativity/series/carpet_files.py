@@ -17,7 +17,9 @@ from typing import Any
 import numpy as np
 
 from isoembed.io.files import FileError
+from isoembed.io.hdf5 import text_of
 from isoembed.relativity.series.carpet import CarpetPart, CarpetSlice, opened_unchanged
+from isoembed.relativity.series.file_names import natural_order
 from isoembed.relativity.series.grid_symmetry import symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.series.source import SliceSource
@@ -58,10 +60,10 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]
         Slices by iteration, including incomplete or damaged ones, which raise an error when read.
     """
     by_folder: dict[Path, _Folder] = {}
-    for path in sorted(map(Path, paths), key=natural):
+    for path in sorted(map(Path, paths), key=natural_order):
         if name := CARPET_FILE.fullmatch(path.name):
             by_folder.setdefault(path.parent, _Folder()).add(path, name)
-    folders = [by_folder[folder] for folder in sorted(by_folder, key=natural)]
+    folders = [by_folder[folder] for folder in sorted(by_folder, key=natural_order)]
     flaws = [folder.flaw for folder in folders if folder.flaw]
     if flaws and not any(folder.files for folder in folders):
         raise FileError(flaws[0])
@@ -204,9 +206,4 @@ class _File:
 
 def _text(stored: Any) -> str:
     raw = stored if isinstance(stored, bytes) else np.asarray(stored).tobytes()
-    return raw.decode("utf-8", errors="replace").rstrip("\0")
-
-
-def natural(path: Path) -> list[tuple[int, str]]:
-    """Sort key for numerical order, with 10 after 9."""
-    return [(int(word), "") if word.isdigit() else (0, word) for word in re.split(r"(\d+)", str(path))]
+    return text_of(raw).rstrip("\0")

@@ -158,12 +158,11 @@ class _Reader:
         spacing = np.array(mesh.grid_spacing)
         first = np.array(mesh.grid_global_offset) + spacing * np.array(record.position)
         return [
-            Component(
+            Component.of(
                 tuple(chunk.offset),
-                *(
-                    tuple(np.asarray(each)[axes].tolist())
-                    for each in (first + spacing * np.array(chunk.offset), spacing, chunk.extent)
-                ),
+                (first + spacing * np.array(chunk.offset))[axes],
+                spacing[axes],
+                np.array(chunk.extent)[axes],
             )
             for chunk in record.available_chunks()
         ]

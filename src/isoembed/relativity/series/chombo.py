@@ -25,14 +25,14 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError
+from isoembed.io.hdf5 import check_data_set, text_of
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.series.adm_variables import GRCHOMBO, AdmVariables, rank, variables_in
+from isoembed.relativity.series.amr_grid import PatchSlice
 from isoembed.relativity.series.grid_symmetry import AxisMap, reflections
-from isoembed.relativity.series.moment import ListedFile
-from isoembed.relativity.series.patch_slice import PatchSlice, best_of_moments
-from isoembed.relativity.series.refined_grid import Component
+from isoembed.relativity.series.moment import ListedFile, best_of_moments
+from isoembed.relativity.series.refined_grid import Component, beyond_ghosts
 
 GLOBAL = "Chombo_global"
 COMPONENT = re.compile(r"component_(\d+)")
@@ -106,7 +106,7 @@ class _Data:
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
         start, ghosts = component.key
         nx, ny, nz = (n + 2 * g for n, g in zip(component.shape, ghosts, strict=True))
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, ghosts, strict=True))
+        i, j, k = beyond_ghosts(part, ghosts)
         data = self._root[f"level_{level}"][DATA]
         rows = []
         for column in self._columns:
@@ -150,7 +150,7 @@ class _Data:
         low, high = (_triples(boxes, end) for end in ("lo_", "hi_"))
         ghosts = _triples(np.asarray(group["data_attributes"].attrs["outputGhost"]), "intvect")
         offsets, data = group[OFFSETS][()], group[DATA]
-        check_expansion(f"{data.name} of {self.name}", data.nbytes, data.id.get_storage_size())
+        check_data_set(data, self.name, data.nbytes)
         shapes = high - low + 1
         expected = self._count * np.prod(shapes + 2 * ghosts, axis=1)
         sizes = np.diff(offsets)
@@ -159,12 +159,7 @@ class _Data:
         spacing = float(group.attrs["dx"])
         g = tuple(ghosts.ravel().tolist())
         return [
-            Component(
-                (int(offsets[b]), g),
-                tuple((spacing * (low[b] + 0.5)).tolist()),
-                (spacing, spacing, spacing),
-                tuple(shapes[b].tolist()),
-            )
+            Component.of((int(offsets[b]), g), spacing * (low[b] + 0.5), [spacing] * 3, shapes[b])
             for b in range(len(boxes))
         ]
 
@@ -172,13 +167,9 @@ class _Data:
 def _names(root: Any) -> dict[str, int]:
     """Indices of the variables by name."""
     components = ((COMPONENT.fullmatch(key), value) for key, value in root.attrs.items())
-    return {_text(value): int(match[1]) for match, value in components if match}
+    return {text_of(value): int(match[1]) for match, value in components if match}
 
 
 def _triples(structured: Any, prefix: str) -> Indices:
     """Fields such as lo_i, lo_j and lo_k of a structured array, (..., 3)."""
     return np.stack([structured[prefix + axis] for axis in "ijk"], axis=-1).astype(np.int64)
-
-
-def _text(value: Any) -> str:
-    return value.decode("utf-8", errors="replace") if isinstance(value, bytes) else str(value)

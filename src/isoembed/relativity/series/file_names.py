@@ -55,6 +55,23 @@ def name_parts(path: str | os.PathLike[str]) -> NameParts:
     return NameParts(series, int(found["number"]))
 
 
+def begins_with(path: Path, magic: bytes) -> bool:
+    """Whether a path is a readable file that begins with some bytes."""
+    if not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            return file.read(len(magic)) == magic
+    except OSError:
+        return False
+
+
+def natural_order(name: str | os.PathLike[str]) -> list[str | int]:
+    """Sort key for numerical order, with ah2 before ah10."""
+    words = re.split(r"(\d+)", os.fspath(name))
+    return [int(word) if k % 2 else word for k, word in enumerate(words)]
+
+
 def is_pattern(text: str) -> bool:
     """Whether a text has fields like {iteration}."""
     return "{" in text

@@ -16,8 +16,6 @@ from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
 
 PARAMETER = re.compile(r"^\s*(\w+)::(\w+)\s*=\s*\"?([^\"\n]*?)\"?\s*$", re.MULTILINE)
 YES = ("yes", "y", "true", "t", "1")
-PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-QUARTER_TURN = ((1, 0, 2), (-1, 1, 1))
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class AxisMap:
 
     def entry(self, six: int) -> tuple[int, int]:
         """Index of the new entry among the six entries of the old matrix, and its sign."""
-        a, b = PAIRS[six]
+        a, b = np.argwhere(six == ENTRY)[0]
         return int(ENTRY[self.source[a], self.source[b]]), self.sign[a] * self.sign[b]
 
     def permuted(self, triple: Sequence[float] | Floats | Indices) -> Floats:
@@ -82,7 +80,7 @@ def symmetry_in(parameters: str) -> tuple[AxisMap, ...]:
         or settings.get(f"carpetx::reflection_{letter}") in YES
         or letter in _halved(settings)
     ]
-    quarter = AxisMap(*QUARTER_TURN)
+    quarter = AxisMap((1, 0, 2), (-1, 1, 1))
     if any(name.startswith("rotatingsymmetry180::") for name in settings):
         generators.append(quarter.after(quarter))
     if any(name.startswith("rotatingsymmetry90::") for name in settings):

@@ -24,7 +24,7 @@ from isoembed.relativity.horizons.horizon import OWN_METRIC, HorizonFacts, horiz
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.sampled_values import values_digest
 from isoembed.relativity.series.source import HeldShape, HeldSlice
-from isoembed.relativity.spacetimes.checks import vector
+from isoembed.relativity.spacetimes.checks import unit_vector
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.runs.result import REFUSED, Result
@@ -71,8 +71,8 @@ class HorizonOptions:
 
     def __post_init__(self) -> None:
         checked_count("the number of vertices", self.vertices, MIN_VERTICES, MOST_VERTICES)
-        if self.axis is not None and not any(vector("the axis", self.axis)):
-            raise InvalidParameter("the axis must not be zero")
+        if self.axis is not None:
+            unit_vector("the axis", self.axis)
         if self.multipoles is not None:
             checked_order(self.multipoles)
 

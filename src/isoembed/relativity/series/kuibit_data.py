@@ -132,7 +132,7 @@ class _GridData:
 
     def components(self, level: int) -> list[Component]:
         return [
-            Component(k, *(tuple(np.asarray(x).tolist()) for x in (part.x0, part.dx, part.shape)))
+            Component.of(k, part.x0, part.dx, part.shape)
             for k, part in enumerate(self._level(GAMMA[0], level))
         ]
 

@@ -1,12 +1,12 @@
 """Matching of horizons with slices, by iteration if both have one, otherwise by time."""
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from isoembed.errors import InvalidParameter
+from isoembed.relativity.series.file_names import natural_order
 from isoembed.relativity.series.moment import ListedSlice, Moment
 from isoembed.relativity.series.source import MissingSlice, SliceSource
 
@@ -47,7 +47,7 @@ def ordered(moments: Iterable[Moment]) -> list[Moment]:
     for moment in moments:
         by_series.setdefault(moment.series, []).append(moment)
     out: list[Moment] = []
-    for series in sorted(by_series, key=_natural):
+    for series in sorted(by_series, key=natural_order):
         there = by_series[series]
         key = next(
             (
@@ -155,9 +155,3 @@ def _when(moment: Moment) -> str:
     if moment.iteration is not None:
         return f"{moment.series} at iteration {moment.iteration}"
     return moment.series if moment.time is None else f"{moment.series} at t = {moment.time:.9g}"
-
-
-def _natural(series: str) -> list[tuple[int, int, str]]:
-    """Sort key for numerical order, with ah2 before ah10."""
-    words = re.split(r"(\d+)", series)
-    return [(0, int(word), "") if word.isdecimal() else (1, 0, word) for word in words]

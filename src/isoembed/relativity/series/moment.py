@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -33,6 +34,29 @@ ListedFile = ListedSlice[FileSlice]
 """Slice in a file."""
 
 
+def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:
+    """Slices with the best set of variables at each moment.
+
+    The folder of a run has other output of the same moments: constraints, or plots of a few variables.
+
+    Parameters
+    ----------
+    found : iterable of (int, ListedFile)
+        Slices with the ranks of their variables (`isoembed.relativity.series.adm_variables.rank`).
+    incomplete : int
+        Rank of files without a complete set.  If all files of a moment are incomplete, the first is used.
+    """
+    moments: dict[tuple[int | None, float | None], list[tuple[int, ListedFile]]] = {}
+    for one in found:
+        moments.setdefault((one[1].iteration, one[1].time), []).append(one)
+    out = []
+    for there in moments.values():
+        best = min(rank for rank, _ in there)
+        listed = [one for rank, one in there if rank == best]
+        out += listed[:1] if best == incomplete else listed
+    return out
+
+
 @dataclass(frozen=True)
 class Moment:
     """Horizon of a series at a time, and its slice.
@@ -44,7 +68,7 @@ class Moment:
     time : float or None
     iteration : int or None
         Iteration of the simulation.
-    shape : Source
+    shape : ShapeSource
         Source of a `CoordinateShape` or `SurfaceData`.
     slice : SliceSource or None
         None if the horizon has its own metric, or before matching.

@@ -12,9 +12,9 @@ from isoembed.io.files import FileError, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.spectre import surface_name
-from isoembed.relativity.series.carpet_files import carpet_slices, natural
+from isoembed.relativity.series.carpet_files import carpet_slices
 from isoembed.relativity.series.carpetx import carpetx_slices
-from isoembed.relativity.series.file_names import is_pattern, listing_of
+from isoembed.relativity.series.file_names import is_pattern, listing_of, natural_order
 from isoembed.relativity.series.matching import matched, ordered
 from isoembed.relativity.series.moment import ListedSlice, Moment
 from isoembed.relativity.series.shape_files import SHAPE, shape_files_in, shapes_in_files
@@ -187,7 +187,7 @@ def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]
     processes its twelve fields take 4.5 s and 1.5 GB; the part of one level that a horizon needs, 76 points
     along each axis, takes 0.5 s and 0.1 GB, in a process of its own.
     """
-    files = sorted(map(Path, _run_files(folder)), key=natural)
+    files = sorted(map(Path, _run_files(folder)), key=natural_order)
     shapes = _finder_shapes(files, SHAPES) or _finder_shapes(files, QUASILOCALMEASURES)
     slices = carpet_slices(files) or carpetx_slices(files)
     if not shapes and not slices:

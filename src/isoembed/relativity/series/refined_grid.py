@@ -14,11 +14,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap
@@ -47,6 +49,16 @@ class Component:
     origin: tuple[float, float, float]
     spacing: tuple[float, float, float]
     shape: tuple[int, int, int]
+
+    @classmethod
+    def of(cls, key: Any, origin: ArrayLike, spacing: ArrayLike, shape: ArrayLike) -> Component:
+        """Component with given arrays."""
+        return cls(key, *(tuple(np.asarray(each).tolist()) for each in (origin, spacing, shape)))
+
+
+def beyond_ghosts(part: Sequence[slice], ghosts: Sequence[int]) -> list[slice]:
+    """Part of a component in an array with ghost zones."""
+    return [slice(s.start + g, s.stop + g) for s, g in zip(part, ghosts, strict=True)]
 
 
 class Layout(Protocol):
@@ -105,6 +117,27 @@ class Block:
         return tuple(slices)
 
 
+class Piece(NamedTuple):
+    """Points of a block from `low` to below `high`."""
+
+    block: Block
+    low: Indices
+    high: Indices
+
+    @property
+    def part(self) -> tuple[slice, ...]:
+        """Part of the component that holds the points."""
+        return self.block.part(self.low, self.high)
+
+    def within(self, start: Indices) -> tuple[slice, ...]:
+        """Place of the points in a box that begins at `start`."""
+        return tuple(slice(*ends) for ends in zip(self.low - start, self.high - start, strict=True))
+
+    def put(self, values: Floats, sign: int, table: Floats, start: Indices) -> None:
+        """Write values at the points of the component, times a sign, into the table of a box."""
+        np.multiply(self.block.map.turned(values), sign, out=table[self.within(start)])
+
+
 def covering_grid(
     data: RefinedData, low: Floats, high: Floats, wanted: Sequence[str] = (*GAMMA, *K)
 ) -> CartesianGrid:
@@ -123,9 +156,10 @@ def covering_grid(
     if missing := [name for name in wanted if name not in data.fields]:
         needed = "gxx ... gzz" if len(wanted) == len(GAMMA) else "gxx ... gzz and kxx ... kzz"
         raise FileError(f"{data.name} has no {', '.join(missing)}: {needed} are needed")
-    for level in reversed(data.levels):
-        if (grid := Level.of(data, level).around(low, high)) is not None:
-            return grid.filled(data, level, wanted)
+    for number in reversed(data.levels):
+        level = Level.of(data, number)
+        if (box := level.around(low, high)) is not None:
+            return _grid(data, number, level, box, wanted)
     coarsest = Level.of(data, data.levels[0])
     lower, upper = coarsest.box
     raise FileError(
@@ -135,39 +169,29 @@ def covering_grid(
     )
 
 
-@dataclass(frozen=True)
-class _Box:
-    """Box of the lattice of a level, and the pieces from which it is filled, the last one first."""
-
-    origin: Floats
-    spacing: Floats
-    low: Indices
-    shape: Indices
-    pieces: list[Block]
-
-    def filled(self, data: RefinedData, level: int, fields: Sequence[str]) -> CartesianGrid:
-        """Grid with the values read; missing points are NaN."""
-        tables = np.full((len(fields), *self.shape), np.nan)
-        for row, name in enumerate(fields):
-            six = GAMMA if name in GAMMA else K
-            for piece in reversed(self.pieces):
-                low = np.maximum(piece.low, self.low)
-                high = np.minimum(piece.high, self.low + self.shape)
-                source, sign = piece.map.entry(six.index(name))
-                values = data.values(six[source], level, piece.component, piece.part(low, high))
-                here = tuple(slice(*ends) for ends in zip(low - self.low, high - self.low, strict=True))
-                np.multiply(piece.map.turned(values), sign, out=tables[row][here])
-        origin, spacing = (self.origin + self.spacing * self.low).tolist(), self.spacing.tolist()
-        remark = (
-            f"the slice is read from refinement level {level} of {data.levels[0]} to {data.levels[-1]}, of "
-            f"the spacing {written(self.spacing)}"
-        )
-        try:
-            return CartesianGrid(
-                origin, spacing, tables[:6], tables[6:] if len(fields) > 6 else None, (remark,)
-            )
-        except InvalidParameter as error:
-            raise FileError(f"{data.name}, refinement level {level}: {error}") from None
+def _grid(
+    data: RefinedData, number: int, level: Level, box: tuple[Indices, Indices], fields: Sequence[str]
+) -> CartesianGrid:
+    """Grid with the values read in a box of a level; missing points are NaN."""
+    start, stop = box
+    tables = np.full((len(fields), *(stop - start)), np.nan)
+    pieces, _ = level.pieces(start, stop)
+    for row, name in enumerate(fields):
+        six = GAMMA if name in GAMMA else K
+        for piece in reversed(pieces):
+            source, sign = piece.block.map.entry(six.index(name))
+            values = data.values(six[source], number, piece.block.component, piece.part)
+            piece.put(values, sign, tables[row], start)
+    remark = (
+        f"the slice is read from refinement level {number} of {data.levels[0]} to {data.levels[-1]}, of the "
+        f"spacing {written(level.spacing)}"
+    )
+    origin = (level.origin + level.spacing * start).tolist()
+    curvature = tables[6:] if len(fields) > 6 else None
+    try:
+        return CartesianGrid(origin, level.spacing.tolist(), tables[:6], curvature, (remark,))
+    except InvalidParameter as error:
+        raise FileError(f"{data.name}, refinement level {number}: {error}") from None
 
 
 @dataclass(frozen=True)
@@ -211,14 +235,32 @@ class Level:
         low, high = self.ends
         return self.origin + self.spacing * low, self.origin + self.spacing * (high - 1)
 
+    @cached_property
+    def _ends(self) -> tuple[Indices, Indices]:
+        """Ends (n, 3) of the blocks."""
+        return np.array([block.low for block in self.blocks]), np.array([block.high for block in self.blocks])
+
     @property
     def ends(self) -> tuple[Indices, Indices]:
         """First point, and the one after the last, along each axis of the lattice."""
-        low = np.min([block.low for block in self.blocks], axis=0)
-        return low, np.max([block.high for block in self.blocks], axis=0)
+        lows, highs = self._ends
+        return lows.min(axis=0), highs.max(axis=0)
 
-    def around(self, low: Floats, high: Floats) -> _Box | None:
-        """Box with its stencil and available points around it; None if the stencil is incomplete."""
+    def pieces(self, start: Indices, stop: Indices) -> tuple[list[Piece], Mask]:
+        """Pieces of the blocks that fill a box, the first one on top, and the mask of its points in them."""
+        lows, highs = self._ends
+        filled = np.zeros(stop - start, dtype=bool)
+        pieces = []
+        for k in np.flatnonzero(((lows < stop) & (highs > start)).all(axis=1)):
+            piece = Piece(self.blocks[k], np.maximum(lows[k], start), np.minimum(highs[k], stop))
+            here = piece.within(start)
+            if not filled[here].all():
+                filled[here] = True
+                pieces.append(piece)
+        return pieces, filled
+
+    def around(self, low: Floats, high: Floats) -> tuple[Indices, Indices] | None:
+        """Ends of a box with its stencil and points around it; None if the stencil is incomplete."""
         reach = STENCIL // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1
@@ -227,15 +269,5 @@ class Level:
             return None
         more = AROUND - reach
         start, stop = np.maximum(first - more, lower), np.minimum(last + more, upper)
-        there = np.zeros(stop - start, dtype=bool)
-        pieces = []
-        for block in self.blocks:
-            ends = zip(
-                np.maximum(block.low, start) - start, np.minimum(block.high, stop) - start, strict=True
-            )
-            here = tuple(slice(max(a, 0), max(b, 0)) for a, b in ends)
-            if not there[here].all():
-                there[here] = True
-                pieces.append(block)
         needed = tuple(slice(*ends) for ends in zip(first - start, last - start, strict=True))
-        return _Box(self.origin, self.spacing, start, stop - start, pieces) if there[needed].all() else None
+        return (start, stop) if self.pieces(start, stop)[1][needed].all() else None

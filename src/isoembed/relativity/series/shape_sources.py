@@ -29,11 +29,11 @@ class ShapeFile:
         return self.path
 
     def digest(self) -> str:
-        """Hash of the content read; see `Source`."""
+        """Hash of the content read; see `ShapeSource`."""
         return file_digest(self.path)
 
     def read(self) -> CoordinateShape | SurfaceData:
-        """See `Source`."""
+        """See `ShapeSource`."""
         with unchanged(self.path):
             return self._read()
 
@@ -46,7 +46,7 @@ class GRChomboShape(ShapeFile):
     """Coordinate file of GRChombo, with the origin in another file."""
 
     def digest(self) -> str:
-        """Hash of the file and of its row in the table of the finder; see `Source`."""
+        """Hash of the file and of its row in the table of the finder; see `ShapeSource`."""
         there = f"{file_digest(self.path)} {finder_output(self.path)}"
         return hashlib.sha256(there.encode()).hexdigest()
 

@@ -8,10 +8,11 @@ and derived fields, where the values at the points of each patch are all that is
 
 import contextlib
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from isoembed.arrays import Floats
 from isoembed.io.digest import arrays_digest, file_digest, file_state, unchanged
@@ -79,11 +80,11 @@ class GridSlice:
         return self.path if self.index is None else f"{self.path} (index {self.index})"
 
     def digest(self) -> str:
-        """Hash of the file, or of the arrays of the slice; see `Source`."""
+        """Hash of the file, or of the arrays of the slice; see `ShapeSource`."""
         if self.index is None:
             return file_digest(self.path)
         with unchanged(self.path):
-            return _slice_digest(self.path, self.index, file_state(self.path))
+            return _digest(slice_arrays, self.path, self.index, file_state(self.path))
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """See `SliceSource`: the grid in the box and around it."""
@@ -113,7 +114,7 @@ class SliceFile:
         return self.path
 
     def digest(self) -> str:
-        """See `Source`."""
+        """See `ShapeSource`."""
         try:
             source = slice_in_file(self.path).source
         except FileError:  # reading will say why
@@ -148,11 +149,11 @@ class SpectreSlice:
         return f"{', '.join(self.paths)} (t = {self.time:.9g})"
 
     def digest(self) -> str:
-        """Hash of the data at this time; see `Source`."""
+        """Hash of the data at this time; see `ShapeSource`."""
         digests = []
         for path in self.paths:
             with unchanged(path):
-                digests.append(_volume_digest(path, self.time, file_state(path)))
+                digests.append(_digest(volume_arrays, path, self.time, file_state(path)))
         return " ".join(digests)
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
@@ -238,17 +239,17 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """
     if _format_of(Path(folder)) is not None:
         return slices_in_file(folder)
-    found: dict[int, list[Path]] = {}
+    found: dict[SliceFormat, list[Path]] = {}
     damaged = []
     for path in entries_in(folder):
         try:
-            kind = _format_of(path)
+            form = _format_of(path)
         except FileError:  # reading will say why
             damaged.append(path)
             continue
-        if kind is not None:
-            found.setdefault(kind, []).append(path)
-    whole = [each for kind in sorted(found) for each in _slices(FORMATS[kind], found[kind], damaged)]
+        if form is not None:
+            found.setdefault(form, []).append(path)
+    whole = [each for form in FORMATS if form in found for each in _slices(form, found[form], damaged)]
     if not whole:
         return []
     return [_named(each) for each in whole] + [
@@ -284,21 +285,17 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
 
     Raises `FileError`: it cannot be read, or holds none.
     """
-    kind = _format_of(Path(path))
-    if kind is not None:
-        return FORMATS[kind].slices([Path(path)])
+    if (form := _format_of(Path(path))) is not None:
+        return form.slices([Path(path)])
     if CARPET_FILE.fullmatch(Path(path).name):
         raise FileError(f"{path} is a part of a slice, as Carpet writes it: name the folder of the run")
     check_ending(path, (*SLICE_ENDINGS, ".bin"))
     raise FileError(f"{path} has no {', nor '.join(form.name for form in FORMATS)}")
 
 
-def _format_of(path: Path) -> int | None:
-    """Index of the format of a file or a folder in the list of formats.
-
-    Raises `FileError`: it is damaged.
-    """
-    return next((k for k, form in enumerate(FORMATS) if form.holds(path)), None)
+def _format_of(path: Path) -> SliceFormat | None:
+    """Format of a file or a folder, if it is known.  Raises `FileError`: it is damaged."""
+    return next((form for form in FORMATS if form.holds(path)), None)
 
 
 def _is_hdf5(path: Path) -> bool:
@@ -330,13 +327,9 @@ def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
 
 
 @lru_cache(maxsize=64)
-def _volume_digest(path: str, time: float, state: tuple[int, int] | None) -> str:
-    return arrays_digest(volume_arrays(path, time))
-
-
-@lru_cache(maxsize=64)
-def _slice_digest(path: str, index: int, state: tuple[int, int] | None) -> str:
-    return arrays_digest(slice_arrays(path, index))
+def _digest(arrays: Callable[..., Iterator[Any]], path: str, at: float, state: Any) -> str:
+    """Digest of the arrays at a time or an index of a file in a given state."""
+    return arrays_digest(arrays(path, at))
 
 
 FORMATS = (

@@ -8,7 +8,7 @@ import pickle
 from dataclasses import dataclass
 from functools import cached_property
 from types import FunctionType
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError
@@ -16,11 +16,10 @@ from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 HELD = "the horizon"
-T_co = TypeVar("T_co", covariant=True)
 
 
-class Source(Protocol[T_co]):
-    """Source of readable data, with a name and a digest."""
+class ShapeSource(Protocol):
+    """Source of a horizon: its shape in slice coordinates, or a surface with its own metric."""
 
     @property
     def name(self) -> str:
@@ -34,8 +33,8 @@ class Source(Protocol[T_co]):
         """
         ...
 
-    def read(self) -> T_co:
-        """Read the data.
+    def read(self) -> GivenHorizon:
+        """Read the horizon.
 
         Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is invalid;
         one sentence gives the reason.
@@ -43,26 +42,22 @@ class Source(Protocol[T_co]):
         ...
 
 
-ShapeSource = Source[GivenHorizon]
-"""Source of a horizon: its shape in slice coordinates, or a surface with its own metric."""
-
-
 class SliceSource(Protocol):
     """Source of a slice, read as far as a surface needs it."""
 
     @property
     def name(self) -> str:
-        """See `Source.name`."""
+        """See `ShapeSource.name`."""
         ...
 
     def digest(self) -> str:
-        """Digest of the whole slice: see `Source.digest`."""
+        """Digest of the whole slice: see `ShapeSource.digest`."""
         ...
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """Read the part of the slice that a surface needs.
 
-        Raises `FileError`: as of `Source`; or the slice does not cover the box.
+        Raises `FileError`: as of `ShapeSource`; or the slice does not cover the box.
 
         Parameters
         ----------
@@ -77,7 +72,7 @@ class FileSlice(SliceSource, Protocol):
     """Source of a slice in a file, which can be read without a surface."""
 
     def whole(self) -> ThreeGeometry:
-        """Read the whole slice.  Raises `FileError`: see `Source.read`."""
+        """Read the whole slice.  Raises `FileError`: see `ShapeSource.read`."""
         ...
 
 

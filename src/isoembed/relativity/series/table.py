@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.hdf5 import HDF5_ENDINGS
 from isoembed.io.registry import check_output
+from isoembed.relativity.series.file_names import natural_order
 from isoembed.runs.result import Result
 
 TABLE_ENDINGS = (".csv", *HDF5_ENDINGS)
@@ -107,10 +107,8 @@ class Row:
     @property
     def place(self) -> tuple[Any, ...]:
         """Sort key of the rows: the series, with ah2 before ah10, the time and the iteration."""
-        words = re.split(r"(\d+)", self.series)
-        natural = [(int(word), "") if word.isdecimal() else (-1, word) for word in words]
         when = [self.numbers.get(name, np.inf) for name in ("time", "iteration")]
-        return natural, self.series, when, self.label
+        return natural_order(self.series), self.series, when, self.label
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,20 +13,20 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.loops import contracted, contracted_gradient
-from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import (
+    ASSUMED,
+    DerivedGeometry,
+    InterpolatedGeometry,
+    ThreeGeometry,
+)
 from isoembed.reprs import short_repr
 from isoembed.smooth.user_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Indices of the six components, arranged as a symmetric matrix."""
-
-
-FEWER = 6
-"""Number of points along each axis of the lower-order interpolation, for error estimates."""
-
 STENCIL = 8  # points of the Lagrange interpolation along each axis
+FEWER = STENCIL - 2  # the same of lower order, for error estimates
 OUTSIDE = 1e-9  # largest distance of a point from the grid, in spacings
-ORDERS = (6, 8, 10)  # orders of differences for noise, which smooth functions affect less and less
 PERIOD = 64  # period of noise samples in spacings, long enough for few coincidences on a surface
 ACROSS = 20  # spacings across a horizon; with 10 none is found, with 14 its area has 5 digits
 ERROR_FACTOR = 10.0  # ratio of the error to the change with two points more or less
@@ -34,7 +34,7 @@ ERROR_FACTOR = 10.0  # ratio of the error to the change with two points more or 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class CartesianGrid(ThreeGeometry):
+class CartesianGrid(InterpolatedGeometry):
     """Slice given by its values at the points ``origin + spacing * (i, j, k)``.
 
     Interpolation uses polynomials of degree seven along each axis, through the eight nearest points: the
@@ -58,7 +58,8 @@ class CartesianGrid(ThreeGeometry):
     ------
     InvalidParameter
         A shape is wrong, there are fewer than eight points along an axis, a matrix is not symmetric,
-        gamma is not positive definite anywhere, or the spacing is not positive.
+        gamma is not positive definite anywhere, or the spacing is not positive; or a point at which a field
+        is evaluated lies outside the grid.
     """
 
     origin: Sequence[float]
@@ -76,8 +77,8 @@ class CartesianGrid(ThreeGeometry):
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "gamma", _six("gamma", self.gamma))
         shape = self.gamma.shape[1:]
-        if min(shape) < (nodes := STENCIL):
-            raise InvalidParameter(f"the grid has {shape} points: there must be {nodes} along each axis")
+        if min(shape) < STENCIL:
+            raise InvalidParameter(f"the grid has {shape} points: there must be {STENCIL} along each axis")
         if self.K is not None:
             object.__setattr__(self, "K", _six("K", self.K))
             if self.K.shape != self.gamma.shape:
@@ -106,10 +107,7 @@ class CartesianGrid(ThreeGeometry):
     @property
     def notes(self) -> tuple[str, ...]:
         """See `ThreeGeometry`."""
-        assumed = (
-            ("the slice has no K_ij: it is assumed to be time-symmetric",) if self.time_symmetric else ()
-        )
-        return (*self.remarks, *assumed)
+        return (*self.remarks, ASSUMED) if self.time_symmetric else self.remarks
 
     @property
     def box(self) -> tuple[Floats, Floats]:
@@ -117,23 +115,8 @@ class CartesianGrid(ThreeGeometry):
         origin = np.array(self.origin)
         return origin, origin + (np.array(self.gamma.shape[1:]) - 1) * np.array(self.spacing)
 
-    def metric(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`.
-
-        Raises
-        ------
-        InvalidParameter
-            A point lies outside the grid.
-        """
-        return self._through(STENCIL).metric(x)
-
-    def gradient(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._through(STENCIL).gradient(x)
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return self._through(STENCIL).extrinsic_curvature(x)
+    def _field(self, name: str, x: Floats) -> Floats:
+        return np.asarray(getattr(_Interpolation(self, STENCIL), name)(x))
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: ten times the change by interpolation with six or ten points.
@@ -143,14 +126,14 @@ class CartesianGrid(ThreeGeometry):
         grid are not detected.
         """
         own = quantity(self)
-        less, more = (quantity(other) - own for other in (self._through(FEWER), wider(self)))
+        less, more = (quantity(other) - own for other in (_Interpolation(self, FEWER), WiderStencil(self)))
         smaller = np.sum(less**2, axis=1) < np.sum(more**2, axis=1)
         return np.asarray(ERROR_FACTOR * np.where(smaller[:, None], less, more))
 
     def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
         """See `ThreeGeometry`: with noise of the size estimated from high-order differences."""
         fields = self.gamma if self.K is None else np.concatenate([self.gamma, self.K])
-        start, s = self._through(STENCIL).located(x)
+        start, s = _Interpolation(self, STENCIL).located(x)
         nodes = np.unique(start + np.round(s).astype(np.int64), axis=0)
         levels = noise_levels(fields, nodes)
         rng = np.random.default_rng(0)
@@ -160,14 +143,6 @@ class CartesianGrid(ThreeGeometry):
     def least_diameter(self, x: Floats) -> float:
         """See `ThreeGeometry`: 20 spacings."""
         return ACROSS * float(np.max(self.spacing))
-
-    def _through(self, nodes: int) -> _Interpolation:
-        return _Interpolation(self, nodes)
-
-
-def wider(grid: CartesianGrid) -> ThreeGeometry:
-    """Slice interpolated with two more points along each axis, or two fewer if these are missing."""
-    return _Wider(grid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,8 +182,7 @@ class _Interpolation(DerivedGeometry):
         origin, spacing = np.array(self.grid.origin), np.array(self.grid.spacing)
         shape = np.array(self.grid.gamma.shape[1:])
         t = (x - origin) / spacing
-        beyond = OUTSIDE
-        outside = ((t < -beyond) | (t > shape - 1.0 + beyond) | np.isnan(t)).any(axis=1)
+        outside = ((t < -OUTSIDE) | (t > shape - 1.0 + OUTSIDE) | np.isnan(t)).any(axis=1)
         box = f"from {written(origin)} to {written(origin + (shape - 1) * spacing)}"
         refuse_points(outside, x, f"lies outside the grid, which reaches {box}")
         start = np.clip(np.floor(t).astype(np.int64) - (self.nodes // 2 - 1), 0, shape - self.nodes)
@@ -231,25 +205,16 @@ class _Noisy(_Interpolation):
 
 
 @dataclass(frozen=True, eq=False)
-class _Wider(DerivedGeometry):
+class WiderStencil(InterpolatedGeometry, DerivedGeometry):
     """Slice on a grid, interpolated with two more points where they exist, and two fewer elsewhere."""
 
     grid: CartesianGrid
 
-    def metric(self, x: Floats) -> Floats:
-        return self._values(_Interpolation.metric, x)
-
-    def gradient(self, x: Floats) -> Floats:
-        return self._values(_Interpolation.gradient, x)
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        return self._values(_Interpolation.extrinsic_curvature, x)
-
-    def _values(self, field: Callable[[_Interpolation, Floats], Floats], x: Floats) -> Floats:
+    def _field(self, name: str, x: Floats) -> Floats:
         more = STENCIL + 2
-        values = field(_Interpolation(self.grid, FEWER), x)
+        values = np.asarray(getattr(_Interpolation(self.grid, FEWER), name)(x))
         if min(self.grid.gamma.shape[1:]) >= more:
-            wider = field(_Interpolation(self.grid, more), x)
+            wider = getattr(_Interpolation(self.grid, more), name)(x)
             there = np.isfinite(wider.reshape(len(x), -1)).all(axis=1)
             values[there] = wider[there]
         return values
@@ -304,7 +269,7 @@ def noise_levels(fields: Floats, nodes: Indices) -> Floats:
     """
     levels = np.full(len(fields), np.inf)
     for axis in range(3):
-        for order in ORDERS:
+        for order in (6, 8, 10):  # smooth functions affect higher ones less
             size = fields.shape[1 + axis]
             if size <= order:
                 continue

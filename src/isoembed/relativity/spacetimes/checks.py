@@ -28,6 +28,16 @@ def vector(name: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
     return x, y, z
 
 
+def unit_vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
+    """Unit vector along a checked vector.  Raises `InvalidParameter`: it is not one, or zero."""
+    x = np.array(vector(name, value))
+    if not x.any():
+        raise InvalidParameter(f"{name} must not be zero")
+    x /= np.abs(x).max()
+    a, b, c = map(float, x / np.linalg.norm(x))
+    return a, b, c
+
+
 def numbers(values: ArrayLike) -> Floats:
     """Array of real numbers; NaN of shape () if the input is not real."""
     try:

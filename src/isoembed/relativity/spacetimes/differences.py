@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -11,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.checks import written
 
 SIXTH = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
 EIGHTH = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-FINER = (1.0, 1.0 / 8.0, 1.0 / 64.0)  # steps of a check, relative to the first
-FIRST = 2.0**-8  # first step, relative to the extent of the points
 
 
 def central_differences(
@@ -32,32 +30,13 @@ def central_differences(
     return np.asarray(np.stack(out, axis=1) / step)
 
 
-@dataclass(frozen=True)
-class Disagreement:
-    """Largest difference of a derivative of a matrix from a central difference.
-
-    Attributes
-    ----------
-    x : ndarray, shape (3,)
-    name : str
-        Name of the derivative, such as "d_x gamma_yz".
-    stated, found : float
-        Derivative and central difference.
-    """
-
-    x: Floats
-    name: str
-    stated: float
-    found: float
-
-
 def disagreement(
     f: Callable[[Floats], NDArray[Any]],
     x: Floats,
     gradient: Floats,
     relative: float,
     step: float = np.inf,
-) -> Disagreement | None:
+) -> tuple[str, float] | None:
     """Largest difference of a gradient from central differences that exceeds their error; None if none does.
 
     Parameters
@@ -71,13 +50,20 @@ def disagreement(
         Largest admissible difference, relative to the largest component at a point.
     step : float
         Largest step of differences, if less than 1/256 of the extent of the points.
+
+    Returns
+    -------
+    str
+        The derivative, such as "d_x gamma_yz at (1, 0, 0) is 2".
+    float
+        The central difference.
     """
     size = float(np.ptp(x, axis=0).max(initial=0.0)) or float(np.abs(x).max(initial=0.0)) or 1.0
     largest = np.argmax(np.abs(gradient).reshape(len(x), -1).max(axis=1, initial=0.0)) if len(x) else 0
     some = np.unique([*np.linspace(0, len(x) - 1, 3).astype(int), largest])[: len(x)]
     x, stated = x[some], gradient[some]
     with np.errstate(all="ignore"):  # there may be no metric a step away
-        steps = min(FIRST * size, step) * np.array(FINER)
+        steps = min(size / 256.0, step) / np.array([1.0, 8.0, 64.0])
         found = [central_differences(f, x, h, SIXTH) for h in steps]
         # Use the two successive steps that agree best, independent of scale and noise of the function.
         errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]
@@ -89,9 +75,6 @@ def disagreement(
     if not (excess > 0.0).any():  # also for NaN, which is no evidence
         return None
     point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)
-    return Disagreement(
-        x[point],
-        f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}",
-        float(stated[point, k, i, j]),
-        float(found[best][point, k, i, j]),
-    )
+    name = f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}"
+    given = f"{name} at {written(x[point])} is {stated[point, k, i, j]:.6g}"
+    return given, float(found[best][point, k, i, j])

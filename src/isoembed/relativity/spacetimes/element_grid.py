@@ -18,10 +18,14 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
 from isoembed.relativity.spacetimes.checks import refuse_points
-from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import (
+    ASSUMED,
+    DerivedGeometry,
+    InterpolatedGeometry,
+    ThreeGeometry,
+)
 from isoembed.reprs import short_repr
 
-ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 some, with 12 all, to 4 digits or more
 BULGE = 0.25  # largest extent of an element beyond the bounding box of its nodes, relative to the box
 
 
@@ -59,7 +63,7 @@ class Element:
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class ElementGrid(ThreeGeometry):
+class ElementGrid(InterpolatedGeometry):
     """Slice given by its values at the nodes of elements.
 
     Attributes
@@ -70,7 +74,8 @@ class ElementGrid(ThreeGeometry):
     Raises
     ------
     InvalidParameter
-        There are no elements, or only some of them have K_ij.
+        There are no elements, or only some of them have K_ij; or a point at which a field is evaluated is in
+        none of them.
     """
 
     elements: Sequence[Element]
@@ -90,25 +95,10 @@ class ElementGrid(ThreeGeometry):
     @property
     def notes(self) -> tuple[str, ...]:
         """See `ThreeGeometry`."""
-        return ("the slice has no K_ij: it is assumed to be time-symmetric",) if self.time_symmetric else ()
+        return (ASSUMED,) if self.time_symmetric else ()
 
-    def metric(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`.
-
-        Raises
-        ------
-        InvalidParameter
-            A point is in no element.
-        """
-        return _Polynomials(self, 0).metric(x)
-
-    def gradient(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return _Polynomials(self, 0).gradient(x)
-
-    def extrinsic_curvature(self, x: Floats) -> Floats:
-        """See `ThreeGeometry`."""
-        return _Polynomials(self, 0).extrinsic_curvature(x)
+    def _field(self, name: str, x: Floats) -> Floats:
+        return np.asarray(getattr(_Polynomials(self, 0), name)(x))
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: the change without the two highest degrees along each axis.
@@ -121,7 +111,8 @@ class ElementGrid(ThreeGeometry):
     def least_diameter(self, x: Floats) -> float:
         """See `ThreeGeometry`: 12 mean distances between neighboring nodes."""
         there = [self.elements[k].points for k in np.unique(self.located(x)[0])]
-        return ACROSS * max(
+        # With 8 nodes across a horizon none is found, with 9 some, with 12 all, to 4 digits or more.
+        return 12 * max(
             float(np.linalg.norm(np.diff(points, axis=axis), axis=-1).mean(axis=axis).max())
             for points in there
             for axis in range(3)

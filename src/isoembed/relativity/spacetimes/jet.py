@@ -92,6 +92,11 @@ class SurfaceFamily:
             + self.bend(1) * slope[:, 1, None, None],
         )
 
+    def at_nodes(self, transform: SphereTransform, f: Floats) -> Jet:
+        """Surface of a function with coefficients f (size,), at the nodes of a transform."""
+        T, c = transform, f[:, None]
+        return self.at(T.values(c)[:, 0], T.gradients(c)[:, :, 0], T.hessians(c)[:, :, 0])
+
     def bend(self, a: int) -> Floats:
         """Derivative of `second` (n, 3, 3) with respect to the a-th derivative of f."""
         first = self.direction.first

@@ -15,7 +15,6 @@ from isoembed.relativity.spacetimes.three_geometry import Numbers, ThreeGeometry
 from isoembed.smooth.two_metric import angle_frame, from_angles
 
 ASYMMETRY = 1e-6  # largest relative difference of entries ij and ji attributed to rounding
-ROUNDING = 1e-6  # largest K_ij attributed to rounding, relative to the metric per length
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +47,9 @@ class SliceFields:
         if self.geometry.time_symmetric:
             return np.zeros((len(self.x), 3, 3))
         K = check_finite("the extrinsic curvature", self.x, self.geometry.extrinsic_curvature(self.x))
-        # Rounding of gradients is relative to the metric, also in components that should vanish.
+        # Rounding of gradients is relative to the metric per length, also in components that should vanish.
         size = float(np.abs(self.gamma).max(initial=0.0)) / float(np.abs(self.x).max(initial=0.0) or 1.0)
-        allowed = ASYMMETRY * max(float(np.abs(K).max(initial=0.0)), ROUNDING * size)
+        allowed = ASYMMETRY * max(float(np.abs(K).max(initial=0.0)), 1e-6 * size)
         check_symmetric("the extrinsic curvature", self.x, K, allowed)
         return K
 

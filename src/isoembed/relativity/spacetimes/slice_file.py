@@ -27,16 +27,15 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, check_ending
-from isoembed.io.hdf5 import HDF5_ENDINGS
+from isoembed.io.hdf5 import HDF5_ENDINGS, check_data_set
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.cartesian_grid import OUTSIDE, CartesianGrid
 from isoembed.relativity.spacetimes.checks import written
 
 PLACE = ("origin", "spacing")
-GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
-K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
+PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
+GAMMA, K = (tuple(f"{letter}{pair}" for pair in PAIRS) for letter in "gk")
 INSTANT = ("time", "iteration")
 SLICE_ENDINGS = (".npz", *HDF5_ENDINGS)
 AROUND = 10  # margin in spacings around a box: five points for the interpolation, the rest as reserve
@@ -44,17 +43,7 @@ AROUND = 10  # margin in spacings around a box: five points for the interpolatio
 
 @dataclass(frozen=True)
 class Instant:
-    """Time of a slice in a file.
-
-    Attributes
-    ----------
-    iteration : int or None
-        Iteration of the simulation, if in the file.
-    time : float or None
-        Time, if in the file.
-    index : int or None
-        Index along the time axis, if there is one.
-    """
+    """Iteration and time of a slice, if they are in the file, and its index along the time axis, if any."""
 
     iteration: int | None
     time: float | None
@@ -220,5 +209,5 @@ def _part(path: str | os.PathLike[str], name: str, data: Any, where: tuple[int |
             for along, n in zip(where, data.shape, strict=False)
         ]
         size = data.dtype.itemsize * math.prod((*lengths, *data.shape[len(where) :]))
-        check_expansion(f"{data.name} of {path}", size, data.id.get_storage_size())
+        check_data_set(data, path, size)
     return np.asarray(data[where])

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError
-from isoembed.io.hdf5 import array_of
+from isoembed.io.hdf5 import array_of, text_of
 from isoembed.io.input_file import InputFile
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.element_grid import BULGE, Element, ElementGrid
+from isoembed.relativity.spacetimes.slice_file import PAIRS
 
-PAIRS = ("xx", "xy", "xz", "yy", "yz", "zz")
 GAMMA, K, POINTS = "SpatialMetric_", "ExtrinsicCurvature_", "InertialCoordinates_"
 LAYOUT = ("total_extents", "bases", "quadratures")
 
@@ -174,7 +174,7 @@ def _is_near(points: list[Floats], low: Floats, high: Floats) -> bool:
 def _dictionary(group: Any, name: str, path: str | os.PathLike[str]) -> list[str]:
     if name not in group.attrs:
         raise FileError(f"{path} has no {name}")
-    return [word.decode() if isinstance(word, bytes) else str(word) for word in group.attrs[name]]
+    return [text_of(word) for word in group.attrs[name]]
 
 
 def _word(words: list[str], code: int, path: str | os.PathLike[str]) -> str:

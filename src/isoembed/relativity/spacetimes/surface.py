@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.checks import numbers, vector
+from isoembed.relativity.spacetimes.checks import numbers, unit_vector
 from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -109,7 +109,7 @@ class Surface(ABC):
         axis : three floats
             Nonzero vector.
         """
-        a, center = np.array(_unit("the axis", axis)), np.array(self.center)
+        a, center = np.array(unit_vector("the axis", axis)), np.array(self.center)
         n, before = self.harmonics.degree + 8, np.inf
         while True:
             u, weights = gauss_rule(n, 2 * n)
@@ -147,16 +147,15 @@ class Surface(ABC):
             The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
             surface; the message names a point.
         """
-        check_geometry(geometry)
-        moves = not geometry.time_symmetric
         u, weights = gauss_rule(24, 48)
         center, local = np.array(self.center), self.local_geometry(geometry, u)
+        moves = not geometry.time_symmetric
         errors = SurfaceErrors.of_surface(local, self.deviating(u), center, weights)
         if self.deviations is None:
             miss = self.misfit / self.mean_radius
             errors = replace(errors, lengths=Uncertainty(miss, miss))
         errors += SurfaceErrors.of_slice(local, center, weights)
-        about = None if axis is None else _unit("the axis", axis)
+        about = None if axis is None else unit_vector("the axis", axis)
         J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
 
         def moving(values: Callable[[Floats], Floats], error: Uncertainty) -> UncertainFunction | None:
@@ -211,16 +210,6 @@ class InducedMetric:
         )
         by_slice = self.geometry.error(lambda geometry: LocalGeometry.of(geometry, jet).q)
         return by_surface, by_slice[None] / SURE
-
-
-def _unit(name: str, components: Sequence[float]) -> tuple[float, float, float]:
-    """Unit vector along a given vector."""
-    x = np.array(vector(name, components))
-    if not x.any():
-        raise InvalidParameter(f"{name} must not be zero")
-    x /= np.abs(x).max()
-    a, b, c = map(float, x / np.linalg.norm(x))
-    return a, b, c
 
 
 def as_directions(u: ArrayLike) -> Floats:

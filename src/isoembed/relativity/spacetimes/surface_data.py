@@ -260,9 +260,16 @@ def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> 
     return _checked(function, u, name, (len(u),))
 
 
-def vectors_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
-    """Checked values (n, 3) of a function at unit vectors u (n, 3); see `values_of`."""
-    return _checked(function, u, name, u.shape)
+def momentum_of(data: SurfaceData, u: Floats) -> Floats:
+    """Checked momentum p (n,) of a surface at unit vectors u (n, 3), 0 if not given; see `values_of`."""
+    return np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
+
+
+def normal_momentum_of(data: SurfaceData, u: Floats) -> Floats:
+    """Checked K(., n) (n, 3) of a surface at unit vectors u (n, 3), 0 if not given; see `values_of`."""
+    if data.normal_momentum is None:
+        return np.zeros_like(u)
+    return _checked(data.normal_momentum, u, "K(., n)", u.shape)
 
 
 def _checked(function: Callable[[Floats], ArrayLike], u: Floats, name: str, shape: tuple[int, ...]) -> Floats:

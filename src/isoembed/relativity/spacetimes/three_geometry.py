@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.checks import positive_number, written
+from isoembed.relativity.spacetimes.checks import positive_number
 from isoembed.relativity.spacetimes.differences import (
     EIGHTH,
     SIXTH,
-    Disagreement,
     central_differences,
     disagreement,
 )
@@ -30,7 +29,6 @@ from isoembed.smooth.user_functions import array_of, called
 Numbers = NDArray[Any]
 """Real arrays, or complex ones for complex-step derivatives."""
 
-CHECKED = 32  # largest number of points at which members of a user-defined class are checked
 COMPLEX_STEP = 1e-30  # its square is negligible
 
 
@@ -134,7 +132,7 @@ def check_members(geometry: ThreeGeometry, x: Floats) -> None:
     kind = type(geometry)
     if kind.__module__.split(".")[0] == __name__.split(".")[0]:
         return
-    x = x[:: len(x) // CHECKED + 1]
+    x = x[:: len(x) // 32 + 1]  # at most 32 of them
     n, found = len(x), {}
     for name, axes in (("metric", 2), ("gradient", 3), ("extrinsic_curvature", 2)):
         found[name] = np.asarray(getattr(geometry, name)(x))
@@ -143,14 +141,13 @@ def check_members(geometry: ThreeGeometry, x: Floats) -> None:
                 f"{kind.__name__}.{name} returns an array of shape {found[name].shape} for {n} points, not "
                 f"{(n,) + (3,) * axes}"
             )
-    wrong = disagreement(geometry.metric, x, found["gradient"], relative=1e-3)
-    if wrong:
+    if wrong := disagreement(geometry.metric, x, found["gradient"], relative=1e-3):
+        given, other = wrong
         turned = (found["gradient"].transpose(0, *order) for order in ((2, 3, 1), (3, 1, 2), (2, 1, 3)))
-        fits = any(not disagreement(geometry.metric, x, other, relative=1e-3) for other in turned)
+        fits = any(not disagreement(geometry.metric, x, each, relative=1e-3) for each in turned)
         hint = ": the order is [point, k, i, j], with d_k gamma_ij" if fits else ""
         raise InvalidParameter(
-            f"{_named(wrong)} by {kind.__name__}.gradient and {wrong.found:.6g} by differences of its "
-            f"metric{hint}"
+            f"{given} by {kind.__name__}.gradient and {other:.6g} by differences of its metric{hint}"
         )
     if geometry.time_symmetric and found["extrinsic_curvature"].any():
         raise InvalidParameter(
@@ -181,6 +178,30 @@ class AnalyticGeometry(ThreeGeometry):
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """Zero: see `ThreeGeometry`."""
         return np.zeros_like(quantity(self))
+
+
+class InterpolatedGeometry(ThreeGeometry):
+    """Slice whose fields are interpolated by one method."""
+
+    @abstractmethod
+    def _field(self, name: str, x: Floats) -> Floats:
+        """``metric``, ``gradient`` or ``extrinsic_curvature``, by name, at the points x (n, 3)."""
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("metric", x)
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("gradient", x)
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._field("extrinsic_curvature", x)
+
+
+ASSUMED = "the slice has no K_ij: it is assumed to be time-symmetric"
+"""Note on a slice on a grid."""
 
 
 class DerivedGeometry(ThreeGeometry):
@@ -252,10 +273,10 @@ class AnalyticCallable(_Callables, AnalyticGeometry):
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         gradient = super().gradient(x)
-        wrong = disagreement(self.metric, x, gradient, relative=1e-6)
-        if wrong:
+        if wrong := disagreement(self.metric, x, gradient, relative=1e-6):
+            given, other = wrong
             raise InvalidParameter(
-                f"{_named(wrong)} by the complex step and {wrong.found:.6g} by differences: the function for "
+                f"{given} by the complex step and {other:.6g} by differences: the function for "
                 "the metric must accept complex x, but np.linalg.norm, np.abs, np.real and arrays of floats "
                 "discard the imaginary part. Write np.sqrt((x**2).sum(axis=1)) for the radius and "
                 "np.zeros(..., dtype=x.dtype) for an array, or use CallableGeometry(gamma, length)"
@@ -297,11 +318,11 @@ class CallableGeometry(_Callables):
         """See `ThreeGeometry`."""
         gradient = self._differentiated(x, SIXTH)
         # Finer steps only, as coarser ones may agree for large noise.
-        wrong = disagreement(self.metric, x, gradient, relative=1e-3, step=self._step / 8.0)
-        if wrong:
+        if wrong := disagreement(self.metric, x, gradient, relative=1e-3, step=self._step / 8.0):
+            given, other = wrong
             raise InvalidParameter(
-                f"{_named(wrong)} by differences over 1/256 of the length {self.length:.6g} and "
-                f"{wrong.found:.6g} over shorter ones: give the distance to the nearest hole as the length"
+                f"{given} by differences over 1/256 of the length {self.length:.6g} and "
+                f"{other:.6g} over shorter ones: give the distance to the nearest hole as the length"
             )
         return gradient
 
@@ -324,10 +345,6 @@ class CallableGeometry(_Callables):
 class _EighthOrder(CallableGeometry):
     def gradient(self, x: Floats) -> Floats:
         return self._differentiated(x, EIGHTH)
-
-
-def _named(wrong: Disagreement) -> str:
-    return f"{wrong.name} at {written(wrong.x)} is {wrong.stated:.6g}"
 
 
 def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
