@@ -20,9 +20,10 @@ from typing import Any
 from isoembed import __version__
 from isoembed.cli import completion
 from isoembed.cli import help as help_
-from isoembed.cli.collection import uncollected
 from isoembed.cli.help import COMMANDS, FIRST_STEPS
 from isoembed.cli.screen import (
+    OK,
+    WRONG,
     OutputError,
     UsageError,
     nothing_printed,
@@ -31,7 +32,7 @@ from isoembed.cli.screen import (
     print_out,
 )
 from isoembed.cli.signals import Interruption, handled
-from isoembed.cli.status import OK, WRONG
+from isoembed.cli.startup import import_numpy_lazily, uncollected
 from isoembed.similar_names import did_you_mean
 from isoembed.threads import reserve_threads_of_process
 from isoembed.typed_numbers import MILLIMETERS, number
@@ -175,9 +176,7 @@ def _loaded(name: str) -> ModuleType:
     limit = _address_space()
     if limit is not None and limit < ADDRESS_SPACE:
         raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
-    from isoembed.cli.lazy_numpy import import_lazily
-
-    import_lazily()
+    import_numpy_lazily()
     if limit is None:
         from isoembed.linalg.memory import keep_freed_memory
 

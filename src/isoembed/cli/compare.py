@@ -6,21 +6,25 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_metric_argument,
+    add_output_option,
+    add_quiet_option,
+    add_surface_argument,
+)
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles, metric_of
-from isoembed.cli.screen import print_aside, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, print_aside, print_json, print_out
 from isoembed.embedding.comparison import Comparison, compare, stated
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
-    MESH_ENDINGS,
     SURFACE_ENDINGS,
     read_surface,
     write_atomically,
 )
 from isoembed.io.files import Writer, ending
-from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -48,16 +52,9 @@ EXAMPLES = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed compare``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    add_surface_argument(parser)
     parser.add_argument("other", type=Path, metavar="OTHER", help="second surface, on the same triangles")
-    parser.add_argument(
-        "metric",
-        type=Path,
-        nargs="?",
-        metavar="METRIC",
-        help="prescribed lengths of both surfaces (default: those of SURFACE)",
-    )
+    add_metric_argument(parser)
     add_output_option(
         parser,
         f"{' '.join(SURFACE_ENDINGS)}: SURFACE with the differences at its vertices; "

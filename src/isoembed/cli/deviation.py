@@ -7,16 +7,20 @@ import numpy as np
 
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_output_option,
+    add_quiet_option,
+    add_surface_argument,
+)
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_json, print_out
 from isoembed.cli.summary import why_undetermined
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity
-from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
+from isoembed.io import SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
-from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -36,8 +40,7 @@ EXAMPLES = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed deviation``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    add_surface_argument(parser)
     add_length_error_option(parser, required=True)
     parser.add_argument(
         "--bound",

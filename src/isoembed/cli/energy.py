@@ -31,9 +31,8 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.outputs import Outputs, print_written
 from isoembed.cli.pictures import add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_error, print_json, print_out
 from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
-from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer, write_atomically
 from isoembed.io.files import Writer, input_ending

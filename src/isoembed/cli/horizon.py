@@ -18,7 +18,16 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import Outputs, check_folder, print_written, stems
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
+from isoembed.cli.screen import (
+    NOT_EMBEDDED,
+    OK,
+    WRONG,
+    UsageError,
+    print_aside,
+    print_error,
+    print_json,
+    print_out,
+)
 from isoembed.cli.slices import (
     OF_SLICE,
     add_geometry_option,
@@ -28,7 +37,6 @@ from isoembed.cli.slices import (
     slice_named,
     slice_stem,
 )
-from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically

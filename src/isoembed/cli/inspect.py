@@ -3,8 +3,7 @@
 import argparse
 
 from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
-from isoembed.cli.screen import print_json, print_out
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, print_json, print_out
 from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.metric.inspection import inspect
 

@@ -2,15 +2,19 @@
 
 import argparse
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Literal
 
 from isoembed.cli.screen import UsageError
+from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
 from isoembed.typed_numbers import number
 
 DEFAULT, FEWEST = 1000, 12  # vertices
+READABLE = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
+"""Endings of files with vertices and triangles."""
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
 
 
@@ -35,6 +39,22 @@ def add_output_option(
     """Add the output option."""
     parser.add_argument(
         "-o", "--output", type=Path, metavar=metavar, required=required, help=purpose, action=_Once
+    )
+
+
+def add_surface_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the file of a surface."""
+    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({READABLE})")
+
+
+def add_metric_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the file of the lengths of a surface, which are those of its mesh by default."""
+    parser.add_argument(
+        "metric",
+        type=Path,
+        nargs="?",
+        metavar="METRIC",
+        help=f"the lengths, on the same triangles ({READABLE}; default: those of SURFACE)",
     )
 
 
@@ -103,11 +123,6 @@ def _space(text: str) -> Space | str:
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that silences the command."""
     parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
-
-
-def add_verbose_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option for detailed output."""
-    parser.add_argument("--verbose", action="store_true", help="also print measures and stages")
 
 
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
@@ -225,6 +240,11 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     again.add_argument("--force", action="store_true", help="redo all items, including those with results")
 
 
+def given(options: argparse.Namespace, names: Collection[str]) -> dict[str, Any]:
+    """Values of options by name, without those that are not given."""
+    return {name: value for name in names if (value := getattr(options, name)) is not None}
+
+
 def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
     """Raise an error if any of the given options, which are incompatible with others, is present.
 
@@ -233,9 +253,8 @@ def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) 
     UsageError
         The message names the first such option.
     """
-    for name in names:
-        value = getattr(options, name)
-        if value is not None and value is not False:
+    for name, value in given(options, names).items():
+        if value is not False:
             named = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
             raise UsageError(f"{named} {why}")
 

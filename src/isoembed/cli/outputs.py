@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 
-from isoembed.cli.screen import UsageError, print_aside
+from isoembed.cli.screen import UsageError, is_terminal, print_aside
 from isoembed.io import SURFACE_ENDINGS, FileError, check_output, write_atomically
 from isoembed.io.files import Writer, ending
 
@@ -33,8 +33,8 @@ class Outputs(dict[str, Path]):
             check_output(path, endings[name])
         return found
 
-    def keep_apart(self) -> None:
-        """Raise an error if two options name the same file.
+    def keep_apart(self, *inputs: Path) -> None:
+        """Raise an error if two options name the same file, or one of the inputs.
 
         Raises
         ------
@@ -43,6 +43,8 @@ class Outputs(dict[str, Path]):
         for (name, path), (other, same) in combinations(self.items(), 2):
             if path.resolve() == same.resolve():
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
+        for path in self.values():
+            _check_inputs(path, inputs)
 
     def write(self, **writers: Callable[[Path], Writer]) -> list[Path]:
         """Write the requested files sequentially, each atomically; return those written.
@@ -94,7 +96,7 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
 
 def print_written(options: argparse.Namespace, *files: Path) -> None:
     """Print the last line of a command; without files only on a terminal, so that pipes are reproducible."""
-    if files or (sys.stdout is not None and sys.stdout.isatty()):
+    if files or is_terminal(sys.stdout):
         print_aside(written(options, *files))
 
 
@@ -111,6 +113,10 @@ def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
     FileError, UsageError
     """
     check_output(path, endings)
+    _check_inputs(path, inputs)
+
+
+def _check_inputs(path: Path, inputs: Collection[Path]) -> None:
     if path.resolve() in {each.resolve() for each in inputs}:
         raise UsageError(f"the output is the input {path}")
 

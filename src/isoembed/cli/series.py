@@ -27,7 +27,7 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import check_folder, elapsed
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
+from isoembed.cli.screen import WRONG, UsageError, print_aside, print_error, print_json
 from isoembed.cli.slices import (
     CLOSED_FORMS,
     OF_SLICE,
@@ -36,7 +36,6 @@ from isoembed.cli.slices import (
     add_slice_options,
     slice_named,
 )
-from isoembed.cli.status import WRONG
 from isoembed.errors import InvalidParameter
 from isoembed.io import FileError, write_atomically
 from isoembed.plot.picture import figure_writer

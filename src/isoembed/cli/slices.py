@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from isoembed.cli.options import given
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
@@ -167,7 +168,7 @@ def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
 
 def slice_label(name: str, options: argparse.Namespace) -> str:
     """Description of a slice for reports: its name and the given options."""
-    values = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
+    values = given(options, OF_SLICE)
     words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in values.items())
     return ", ".join([name, *words])
 
@@ -179,7 +180,7 @@ def slice_stem(name: str) -> str:
 
 def _values_of(options: argparse.Namespace) -> dict[str, Any]:
     """Parameters of a slice by option name; several vectors as a list."""
-    values = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
+    values = given(options, OF_SLICE)
     for name in values.keys() & {"positions", "velocities"}:
         values[name] = _triples(name, values[name])
     if (spin := values.get("spin")) is not None:

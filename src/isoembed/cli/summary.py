@@ -7,9 +7,6 @@ from typing import Any
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 
-UNDETERMINED = 3
-"""Digits of a number whose standard deviation is not determined."""
-
 
 def why_undetermined(nonlinearity: float | None) -> str:
     """Reason for a volume without standard deviation, by nonlinearity (None or infinite if J is singular).
@@ -106,7 +103,7 @@ def measure(report: Mapping[str, Any], name: str) -> str:
         return _number(value)
     sigma = report["deviation"][name]
     if sigma is None:
-        known = _number(value) if value is None else f"{value:.{UNDETERMINED}g}"
+        known = _number(value) if value is None else f"{value:.3g}"
         return f"{known} +- not determined: {why_undetermined(report['deviation']['volume_nonlinearity'])}"
     if value is None:
         return f"{_number(value)} +- {sigma:.2g}"
