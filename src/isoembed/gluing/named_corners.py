@@ -8,8 +8,7 @@ import numpy as np
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.polygon import Polygon
-from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance, UnequalLengths
+from isoembed.gluing.tolerance import ROUNDING, Tolerance, UnequalLengths
 
 Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
@@ -77,7 +76,7 @@ def sides_of(
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
         allowed, difference = tolerance.between(p, q, (ours, theirs)), max(difference, abs(ours - theirs))
-        rounding = GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter)
+        rounding = ROUNDING * (sheets[p].perimeter + sheets[q].perimeter)
         if not wrong and abs(ours - theirs) > allowed + rounding:
             wrong = (
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "

@@ -12,7 +12,6 @@ from scipy.special import ellipeinc
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import is_number, side_lengths
-from isoembed.gluing.thresholds import GLUING
 from isoembed.space import Space
 from isoembed.space.trigonometry import angle_between, apex
 
@@ -246,10 +245,10 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
     """
     u = curve.parameter(part) + np.arange(n + 1) / n
     aim = np.arange(n + 1) / n
-    for _ in range(GLUING.spacings):
+    for _ in range(1000):  # each gains a digit or more
         points = curve.points(u[:-1])
         steps = side_lengths(points)
-        if np.ptp(steps) <= GLUING.equal_sides * steps.sum():
+        if np.ptp(steps) <= 1e-14 * steps.sum():  # up to rounding
             return points
         reached = np.concatenate([[0.0], np.cumsum(steps)])
         u = np.interp(aim, reached / reached[-1], u)
