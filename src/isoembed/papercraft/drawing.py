@@ -26,9 +26,7 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 LEAST = 1e-3  # radians; smaller folds are omitted
-GLUED = 0.75  # glued fraction of a tab, in each direction
 ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
-KERF_LIMIT = 20.0  # half kerfs: corners of less than 6 degrees are cut off
 DECIMALS = 6  # of a millimeter in files: nearly flat vertices magnify rounding errors a thousandfold
 
 
@@ -277,7 +275,8 @@ def _widened(outline: Floats, material: Material, name: str) -> Floats:
     """Outline of the cut: widened by the allowance and half of the kerf."""
     if material.allowance:
         outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
-    return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
+    # Corners of less than 6 degrees are cut off.
+    return offset(outline, material.kerf / 2, name, 20.0) if material.kerf else outline
 
 
 def _crosses(middles: Floats, size: float) -> Floats:
@@ -289,4 +288,4 @@ def _crosses(middles: Floats, size: float) -> Floats:
 def _middle(tab: Floats) -> Floats:
     """Glue area of a tab, inset from its sides to avoid repeated lines."""
     center = tab.mean(axis=0)
-    return np.asarray(center + GLUED * (tab - center))
+    return np.asarray(center + 0.75 * (tab - center))

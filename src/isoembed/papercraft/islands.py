@@ -10,6 +10,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import frozen
+from isoembed.papercraft.packing import SLACK
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 Fold = tuple[int, int]
 """Corners of a sheet at the ends of a fold, in the order around the face nearer to the root."""
 
-COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # numbers of directions in a right angle; limit for all faces
 KEPT = 12  # partitions of a subtree for each number of islands
 
 
@@ -79,7 +79,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
             np.array([one.support for one in open_[parent]])[:, None],
             np.array([one.support for one in below]),
         )
-        fits = _needed(supports, room) <= 1 + 1e-9
+        fits = _needed(supports, room) <= 1 + SLACK
         found += [
             _Partition(
                 one.islands + other.islands, one.length + other.length, supports[i, j], (one.cuts, other.cuts)
@@ -116,7 +116,7 @@ def _tree(faces: Sequence[Indices]) -> tuple[list[int], list[int], list[Fold | N
 
 def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
     """Directions in a right angle, radians: evenly spaced ones, and those of the longest sides of faces."""
-    count = min(max(SUPPORTS // len(faces), COARSEST), FINEST)
+    count = min(max(100_000 // len(faces), 90), 720)  # limits the memory for many faces
     sides = np.concatenate([sheet[np.roll(face, -1)] - sheet[face] for face in faces])
     longest = sides[np.argsort(-np.hypot(*sides.T), kind="stable")[: 2 * count]]
     along = np.arctan2(longest[:, 1], longest[:, 0]) % (np.pi / 2)

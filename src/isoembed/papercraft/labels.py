@@ -11,12 +11,11 @@ from isoembed.papercraft.convex import Pieces, overlaps
 
 Side = tuple[int, int]
 
-SIZE, LEGIBLE, LEAST = 4.2, 2.0, 0.5  # mm
-SHRINK = 0.85
+LEGIBLE, LEAST = 2.0, 0.5  # mm
+SHRINK = 0.85  # ratio of successive sizes that are tried
 WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in font sizes
 PADDING = 0.22  # around a number, in font sizes
 OFF = 0.15  # distance of the padded number from the side, in font sizes
-PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # positions along a side, in the order of the attempts
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def labels(
     found = []
     for text, ends in numbered:
         one = (
-            _fitting(text, ends, SIZE, LEGIBLE, (lines, creases, occupied))
+            _fitting(text, ends, 4.2, LEGIBLE, (lines, creases, occupied))
             or _fitting(text, ends, LEGIBLE, LEAST, (lines, occupied))
             or _beside(text, ends, 0.5, LEAST)
         )
@@ -104,7 +103,7 @@ def _fitting(
     around = np.concatenate([_beside(text, ends, part, size).box for part in (0.0, 1.0)])
     close = [some.near(around) for some in obstacles]
     while size >= smallest:
-        for part in PLACES:
+        for part in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8):
             one = _beside(text, ends, part, size)
             if not any(overlaps(one.box, some) for some in close):
                 return one

@@ -13,7 +13,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import is_number
 from isoembed.papercraft.fitting import best_turn, compact_turn
 from isoembed.papercraft.islands import cut_along, partition, parts
-from isoembed.papercraft.packing import packed
+from isoembed.papercraft.packing import SLACK, packed
 from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
 if TYPE_CHECKING:
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 GAP = 14.0  # mm, between sheets, for the tabs of both
 NO_FORMAT = "no format is large enough: give a page size, paper='WIDTHxHEIGHT' in mm"
-SLACK = 1e-9  # relative tolerance for an exact fit
 AXES = "x", "y", "z"
-TINY = 1e-9  # of the largest extent: a smaller extent counts as zero
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
@@ -148,7 +146,7 @@ def _extent(unfolding: Unfolding, axis: str) -> float:
         raise InvalidParameter("a size requires the solid, which this net does not have: give a scale")
     extents = np.ptp(unfolding.vertices, axis=0)
     found = extents[AXES.index(axis)] if axis else extents.max()
-    if found < TINY * extents.max():
+    if found < 1e-9 * extents.max():  # a smaller extent counts as zero
         raise InvalidParameter(f"a size in {axis} is given, but the solid has no extent in {axis}")
     return float(found)
 

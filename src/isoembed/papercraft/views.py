@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 TOWARD = np.array([0.48, -0.72, 0.5])  # preferred direction of view
-TURNS, RISES = 24, (0.3, 0.5, 0.7)  # other directions: number of azimuths, heights
-EDGE_ON = 1e-3  # cosine below which visibility is considered equal
+TURNS = 24  # azimuths of other directions
 SAMPLES = 24  # per edge, to determine hidden parts
 CLOSE = 1e-6  # of the size of the solid: closer objects do not hide anything
-CHUNK = 1 << 22
 
 
 def views(
@@ -106,11 +104,14 @@ def _toward(triangles: Floats) -> Floats:
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     sizes = np.linalg.norm(normals, axis=1)
     normals = normals[sizes > 0] / sizes[sizes > 0, None]
-    turns, rises = (some.ravel() for some in np.meshgrid(2 * np.pi * np.arange(TURNS) / TURNS, RISES))
+    turns, rises = (
+        some.ravel() for some in np.meshgrid(2 * np.pi * np.arange(TURNS) / TURNS, (0.3, 0.5, 0.7))
+    )
     level = np.sqrt(1 - rises**2)
     ways = np.vstack([TOWARD, np.column_stack([level * np.sin(turns), -level * np.cos(turns), rises])])
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    visibility = np.log(np.maximum(np.abs(normals @ ways.T), EDGE_ON)).sum(axis=0)
+    # Faces seen at smaller cosines are equally invisible.
+    visibility = np.log(np.maximum(np.abs(normals @ ways.T), 1e-3)).sum(axis=0)
     return np.asarray(ways[int(np.argmax(visibility.round(9)))])
 
 
@@ -152,7 +153,7 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
 def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
     """Mask of points, (n, 3), behind any counterclockwise triangle, (m, 3, 3)."""
     hidden = np.zeros(len(points), dtype=np.bool_)
-    step = max(1, CHUNK // max(len(triangles), 1))
+    step = max(1, (1 << 22) // max(len(triangles), 1))  # bounds the memory
     sides = np.roll(triangles, -1, axis=1) - triangles
     normal = np.cross(sides[:, 0], sides[:, 1])
     for k in range(0, len(points), step):
