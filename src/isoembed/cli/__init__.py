@@ -157,7 +157,10 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
         if name in arguments:
             module = _loaded(name)
+            from isoembed.cli.options import add_quiet_option  # loads numpy
+
             module.configure(command)
+            add_quiet_option(command)
             command.set_defaults(run=module.run)
             command.examples, command.usual = module.EXAMPLES, getattr(module, "USUAL", ())
             shown = "list all options" if command.usual else argparse.SUPPRESS  # --help lists all of few
@@ -243,19 +246,18 @@ def _run(options: argparse.Namespace) -> int:
     from isoembed.io import FileError
 
     notes: list[str] = []
-    quiet = getattr(options, "quiet", False)
-    silent = quiet and not getattr(options, "json", False)
+    silent = options.quiet and not getattr(options, "json", False)
     try:
         with (
             _gathered(notes),
-            waiting(quiet=quiet) as options.waiting,
+            waiting(quiet=options.quiet) as options.waiting,
             nothing_printed() if silent else nullcontext(),
         ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error(f"{error} (note: {'; '.join(notes)})" if notes else str(error))
         return WRONG
-    for note in () if quiet else notes:
+    for note in () if options.quiet else notes:
         print_error(note, "note")
     return status
 

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 import isoembed
-from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
+from isoembed.cli.options import add_json_option, add_output_option
 from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import (
@@ -24,7 +24,7 @@ from isoembed.cli.screen import (
     print_json,
     print_out,
 )
-from isoembed.cli.summary import bending, measure, summary
+from isoembed.cli.summary import INTEGRALS, bending, measure, summary
 from isoembed.cli.waiting import suspended
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
@@ -33,7 +33,6 @@ from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
 from isoembed.sheets.surface import SheetEmbedding
 
-INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
 CERTIFIED = 10_000  # vertices: above, a certificate takes as long as the embedding
 
 
@@ -45,7 +44,6 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--keep", action="store_true", help="write the best attempt even if it fails")
     add_json_option(parser, "print the report, as one JSON object, instead of text")
     parser.add_argument("--verbose", action="store_true", help="also print measures and stages")
-    add_quiet_option(parser)
 
 
 def requested_outputs(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:

@@ -11,7 +11,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
     add_metric_argument,
-    add_quiet_option,
     add_surface_argument,
 )
 from isoembed.cli.same_triangles import metric_of
@@ -38,7 +37,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -11,12 +11,12 @@ from isoembed.cli.options import (
     add_merge_option,
     add_metric_argument,
     add_output_option,
-    add_quiet_option,
     add_surface_argument,
 )
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles, metric_of
 from isoembed.cli.screen import NOT_EMBEDDED, OK, print_aside, print_json, print_out
+from isoembed.cli.summary import ARRAYS, INTEGRALS
 from isoembed.embedding.comparison import Comparison, compare, stated
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
@@ -34,15 +34,6 @@ from isoembed.surface.changes import root_mean_square
 
 NEEDED = "surfaces are compared on"
 HEADING = "differences between OTHER and SURFACE, in the unit of the lengths; signed values: OTHER - SURFACE"
-SHOWN = {
-    "vertices": "vertices",
-    "normals": "normals",
-    "dihedral_angles": "dihedral",
-    "mean_curvature": "H",
-    "area": "area",
-    "volume": "volume",
-    "integrated_mean_curvature": "int H dA",
-}
 
 EXAMPLES = (
     "isoembed compare by-aim.ply by-paper.ply metric.npz",
@@ -62,7 +53,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -110,25 +100,20 @@ def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
 def _summary(first: Embedding, found: Comparison) -> str:
     apart, error = found.difference, found.error
     lines = [found.reason, "", HEADING]
-    for name, unit, place in (
-        ("vertices", "", "vertex"),
-        ("normals", " radians", "face"),
-        ("dihedral_angles", " radians", "edge"),
-        ("mean_curvature", "", "vertex"),
-    ):
+    for name, shown, place, unit in ARRAYS:
         values, errors = np.abs(getattr(apart, name)), getattr(error, name)
         worst = int(np.argmax(values))
         lines.append(
-            f"{SHOWN[name]:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
+            f"{shown:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
             f"{root_mean_square(values):.3g} in root mean square"
         )
-    lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else stated(apart.area, error.area)}")
+    lines.append(f"{'area':12}{'equal' if found.certified else stated(apart.area, error.area)}")
     closed = first.triangulation.is_closed
     for name in ("volume", "integrated_mean_curvature") if closed else ("integrated_mean_curvature",):
         change, whole = getattr(apart, name), getattr(first, name)
         with_error = stated(change, getattr(error, name))
         share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""
-        lines.append(f"{SHOWN[name]:12}{with_error}{share}")
+        lines.append(f"{INTEGRALS[name]:12}{with_error}{share}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough} (fine_roughness)")
     if found.certified:

@@ -11,12 +11,11 @@ from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
     add_output_option,
-    add_quiet_option,
     add_surface_argument,
 )
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_json, print_out
-from isoembed.cli.summary import why_undetermined
+from isoembed.cli.summary import ARRAYS, INTEGRALS, why_undetermined
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.io import SURFACE_ENDINGS, read_surface, write_atomically
@@ -62,7 +61,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -142,19 +140,11 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         f"{name:12}{getattr(surface, field):.17g} +- {more * getattr(found, field):.2g}"
         if isinstance(found, DeviationBound)
         else f"{name:12}{getattr(surface, field):.12g} +- {getattr(found, field):.2g}"
-        for name, field in (
-            ("area", "area"),
-            ("volume", "volume"),
-            ("int H dA", "integrated_mean_curvature"),
-        )
+        for field, name in INTEGRALS.items()
         if not np.isnan(getattr(found, field))  # a surface with boundary that is not a cap has no volume
     ]
-    for name, values, place, unit in (
-        ("vertices", found.vertices, "vertex", ""),
-        ("normals", found.normals, "face", " radians"),
-        ("dihedral", found.dihedral_angles, "edge", " radians"),
-        ("H", found.mean_curvature, "vertex", ""),
-    ):
+    for field, name, place, unit in ARRAYS:
+        values = getattr(found, field)
         worst = int(np.argmax(values))
         lines.append(
             f"{name:12}+- {more * root_mean_square(values):.2g}{unit}, "

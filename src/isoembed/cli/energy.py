@@ -21,7 +21,6 @@ from isoembed.cli.options import (
     add_marginal_options,
     add_merge_option,
     add_output_option,
-    add_quiet_option,
     add_reference_option,
     add_vertices_option,
     marginal,
@@ -139,7 +138,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_reference_option(parser)
     add_vertices_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
     add_output_option(
         parser, f"file for the embedded surface, in the format of its extension: {' '.join(SURFACE_ENDINGS)}"
     )

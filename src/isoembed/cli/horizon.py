@@ -9,7 +9,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
-    add_quiet_option,
     add_report_options,
     add_vertices_option,
     marginal,
@@ -114,7 +113,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_vertices_option(parser)
     add_json_option(parser, "print JSON: an object, or a list of them")
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -2,7 +2,7 @@
 
 import argparse
 
-from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
+from isoembed.cli.options import add_json_option, add_output_option
 from isoembed.cli.outputs import written
 from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_error, print_json, print_out
 from isoembed.gluing.classics import CLASSICS
@@ -33,7 +33,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "solid.obj writes solid-1.obj, solid-2.obj, ...",
     )
     add_json_option(parser, "print one JSON object, with a list of the solids, instead of text")
-    add_quiet_option(parser)
 
 
 def _name(text: str) -> str:

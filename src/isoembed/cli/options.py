@@ -12,7 +12,7 @@ from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
 from isoembed.typed_numbers import number
 
-DEFAULT, FEWEST = 1000, 12  # vertices
+DEFAULT = 1000  # vertices
 READABLE = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
 """Endings of files with vertices and triangles."""
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
@@ -120,9 +120,9 @@ def _space(text: str) -> Space | str:
     return space
 
 
-def add_quiet_option(parser: argparse.ArgumentParser) -> None:
+def add_quiet_option(parser: argparse.ArgumentParser, **default: Any) -> None:
     """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors", **default)
 
 
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
@@ -208,8 +208,10 @@ def vertices(options: argparse.Namespace) -> int:
     UsageError
         The number is too small.
     """
-    if options.vertices is not None and options.vertices < FEWEST:
-        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    from isoembed.meshing.surface_mesh import MIN_VERTICES  # needed for smooth surfaces only
+
+    if options.vertices is not None and options.vertices < MIN_VERTICES:
+        raise UsageError(f"--vertices must be at least {MIN_VERTICES}, not {options.vertices}")
     return DEFAULT if options.vertices is None else int(options.vertices)
 
 

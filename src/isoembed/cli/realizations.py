@@ -12,7 +12,6 @@ from isoembed.cli.options import (
     add_merge_option,
     add_metric_argument,
     add_output_option,
-    add_quiet_option,
     add_surface_argument,
 )
 from isoembed.cli.outputs import check_folder, print_written
@@ -68,7 +67,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -17,7 +17,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
-    add_quiet_option,
     add_report_options,
     add_run_options,
     add_vertices_option,
@@ -54,7 +53,6 @@ if TYPE_CHECKING:
 
 TABLE = "table.csv"
 FILMS = ("horizons.mp4", "horizons.gif", "horizons.html")
-PERIOD = 20.0  # seconds between updates of the table
 OF_HORIZONS = (
     "geometry",
     *OF_SLICE,
@@ -109,7 +107,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--film", action="store_true", help="also make a film, and a page for the browser with a slider"
     )
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -185,7 +182,7 @@ class _GrowingTable:
 
     def __call__(self, result: Result) -> None:
         self._results.append(replace(result, arrays={}))  # meshes would take too much memory
-        if time.monotonic() > self._written + PERIOD:
+        if time.monotonic() > self._written + 20.0:  # seconds between updates of the table
             write_table(self._path, self._results)
             self._written = time.monotonic()
 

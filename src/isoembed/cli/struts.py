@@ -10,7 +10,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
     add_output_option,
-    add_quiet_option,
 )
 from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.screen import OK, print_aside, print_error, print_json, print_out
@@ -67,7 +66,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"a picture with struts colored by type: {' '.join(PICTURE_ENDINGS)}",
     )
     add_json_option(parser, "print the table as one JSON object instead of text")
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

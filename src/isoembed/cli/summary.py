@@ -7,6 +7,16 @@ from typing import Any
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 
+INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
+"""Integrals of a surface, and their names in text."""
+ARRAYS = (
+    ("vertices", "vertices", "vertex", ""),
+    ("normals", "normals", "face", " radians"),
+    ("dihedral_angles", "dihedral", "edge", " radians"),
+    ("mean_curvature", "H", "vertex", ""),
+)
+"""Changes of a surface: attribute, name in text, element that has one, and unit."""
+
 
 def why_undetermined(nonlinearity: float | None) -> str:
     """Reason for a volume without standard deviation, by nonlinearity (None or infinite if J is singular).

@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             f"{' '.join(name for name in SURFACE_ENDINGS if name not in METRIC_ENDINGS)}: the mesh",
             required=True,
         )
-        add_quiet_option(options)
+        add_quiet_option(options, default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> int:

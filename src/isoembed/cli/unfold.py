@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 
 from isoembed.cli.material import add_material_options, given_fields, material_of, on_paper
-from isoembed.cli.options import READABLE, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import OK, UsageError, print_aside, print_error
 from isoembed.gluing import unfold
@@ -95,7 +95,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         )
     add_material_options(parser)
     add_merge_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -6,7 +6,7 @@ import webbrowser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from isoembed.cli.options import READABLE, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.pictures import add_color_option, shown
 from isoembed.cli.same_triangles import check_same_triangles
@@ -47,7 +47,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_color_option(parser)
     add_merge_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
