@@ -11,10 +11,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.drawn_lines import CUT, FOLD, Line
-from isoembed.gluing.polygon import signed_area
+from isoembed.gluing.polygon import Side, signed_area
 from isoembed.mesh.merging import representatives
-
-Side = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,9 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.polygon import Polygon, Side
 from isoembed.gluing.tolerance import ROUNDING, Tolerance, UnequalLengths
 
-Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
 
 

@@ -16,6 +16,9 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model, to_model
 
+Side = tuple[int, int]
+"""Polygon and side, which runs from the corner of the same number to the next one."""
+
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
@@ -197,6 +200,11 @@ def points_of_the_plane(coordinates: ArrayLike, name: str) -> Floats:
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number other than a Boolean."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def segments(points: Floats) -> Floats:
+    """Ends of the sides of a closed polygon, shape (n, 2, 2)."""
+    return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
 
 
 def interior_angles(forth: Floats, back: Floats) -> Floats:

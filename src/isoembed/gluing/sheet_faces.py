@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 
 from isoembed.arrays import Indices
-
-Side = tuple[int, int]
+from isoembed.gluing.polygon import Side
 
 
 def glued_faces(

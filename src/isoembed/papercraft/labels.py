@@ -7,9 +7,8 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.gluing.polygon import Side, segments
 from isoembed.papercraft.convex import Pieces, overlaps
-
-Side = tuple[int, int]
 
 LEGIBLE, LEAST = 2.0, 0.5  # mm
 SHRINK = 0.85  # ratio of successive sizes that are tried
@@ -76,7 +75,7 @@ def labels(
     sides : sequence of pairs
         Pairs of glued sides ``((p, k), (q, m))``.
     """
-    rims = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
+    rims = list(map(segments, outlines))
     numbered = [(str(number), rims[p][k]) for number, pair in enumerate(sides, 1) for p, k in pair]
     numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # shortest sides first
     lines, creases = Pieces(2, chain.from_iterable(rims)), Pieces(2, chain.from_iterable(folds))

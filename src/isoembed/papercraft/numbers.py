@@ -9,6 +9,7 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats, Mask
+from isoembed.gluing.polygon import segments
 from isoembed.papercraft.convex import Pieces, overlapping
 from isoembed.papercraft.labels import HEIGHT, SHRINK, WIDTH, Label
 
@@ -40,7 +41,7 @@ def face_numbers(
         Returns which points, (n, 2), of the k-th face are visible, in a drawing of the solid.
     """
     if lines is None:
-        lines = chain.from_iterable(np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
+        lines = chain.from_iterable(map(segments, faces))
     drawn, occupied = Pieces(2, lines), Pieces(4, (one.box for one in labels))
     found = []
     for k, (face, number) in enumerate(zip(faces, numbers, strict=True)):

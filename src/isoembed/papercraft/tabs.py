@@ -7,15 +7,13 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.gluing.line_graph import is_inside
-from isoembed.gluing.polygon import interior_angles
+from isoembed.gluing.polygon import Side, interior_angles, segments
 from isoembed.papercraft.convex import Pieces, overlaps
 from isoembed.papercraft.labels import SHRINK
 
 DEPTH, LEAST = 7.0, 0.8  # mm, largest and smallest depth
 SLANT = np.radians(55.0)  # largest angle of a leg to the side
 CLEAR = 1.1  # clearance: a tab this much deeper must not meet anything either
-
-Side = tuple[int, int]
 
 
 def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict[Side, Floats]:
@@ -34,13 +32,12 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
         Outer corners, (2, 2), of the tab on side ``(p, k)``, in the order of the side.  Pairs without room
         for a tab are omitted.
     """
-    rims = (np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines)
-    segments, others = Pieces(2, chain.from_iterable(rims)), Pieces(4)
+    rims, others = Pieces(2, chain.from_iterable(map(segments, outlines))), Pieces(4)
     shapes: dict[Side, Floats] = {}
     for pair in sides:
         best, top = 0.0, np.zeros((2, 2))
         for side, mate in (pair, pair[::-1]):
-            depth, found = _deepest(outlines, side, mate, segments, others)
+            depth, found = _deepest(outlines, side, mate, rims, others)
             if depth > best:
                 best, top, (p, k) = depth, found, side
         if best:
@@ -51,7 +48,7 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
 
 
 def _deepest(
-    outlines: Sequence[Floats], side: Side, mate: Side, segments: Pieces, others: Pieces
+    outlines: Sequence[Floats], side: Side, mate: Side, rims: Pieces, others: Pieces
 ) -> tuple[float, Floats]:
     """Depth and outer corners of the deepest tab on a side; depth 0 if there is no room."""
     p, k = side
@@ -77,16 +74,16 @@ def _deepest(
     ends = np.array([start, end])
     if depth < LEAST:
         return 0.0, ends
-    rims, pieces = (some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others))
-    joined = (rims[:, :, None] == ends).all(axis=3).any(axis=(1, 2))
+    near, pieces = (some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (rims, others))
+    joined = (near[:, :, None] == ends).all(axis=3).any(axis=(1, 2))
     while depth >= LEAST:
         deeper = top(CLEAR * depth)
         piece, whole = _piece(ends, deeper), np.vstack([ends, deeper[::-1]])
         # Across a narrow slit, a tab could lie inside a sheet without meeting its sides.
         if (
-            not overlaps(piece, rims[joined])
+            not overlaps(piece, near[joined])
             and not overlaps(piece, pieces)
-            and not overlaps(whole, rims[~joined])
+            and not overlaps(whole, near[~joined])
             and not any(is_inside(piece.mean(axis=0), sheet) for sheet in outlines)
         ):
             return depth, top(depth)

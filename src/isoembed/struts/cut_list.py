@@ -13,7 +13,6 @@ from isoembed.errors import InvalidParameter
 
 ROUNDING = 1e-9  # of a bar: tolerance for struts that fill it exactly
 GAIN = 1e-6  # of a bar: least improvement by a new pattern; linear programs are solved to 1e-7
-TYPES = 40  # limit for column generation, which takes some seconds
 PARTS = 27720  # of a bar, to which sizes are rounded up; divisible by all numbers up to 12
 
 
@@ -95,7 +94,8 @@ class CutList:
                 f"a strut of type {name} is {length:.6g} long, more than a bar of {stock:.6g}"
             )
         packed = _first_fit(sizes, counts)
-        if len(falling) <= TYPES and len(packed) > np.ceil(sizes @ counts - ROUNDING):
+        # With more types, column generation would take more than some seconds.
+        if len(falling) <= 40 and len(packed) > np.ceil(sizes @ counts - ROUNDING):
             packed = _generated(sizes, counts, packed)
         alike = Counter(tuple(pattern) for pattern in packed.tolist())
         bars = []

@@ -17,12 +17,9 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.struts import saving
 from isoembed.struts.cut_list import CutList
 from isoembed.struts.frame import Frame
-from isoembed.struts.hubs import HubType, hub_angles, hub_types
-from isoembed.struts.sphere import sphere_through
+from isoembed.struts.hubs import HubType, hub_angles, hub_types, sphere_through
 from isoembed.struts.types import first_reading, length_types, letters
 from isoembed.surface.surface import Surface
-
-SAME_LENGTH = 1e-6  # mean strut lengths: difference of equal lengths in files with seven digits
 
 
 @dataclass(frozen=True)
@@ -210,7 +207,8 @@ def strut_table(
     edges, lengths = surface.edges[which], surface._lengths[which]
     mean = float(lengths.mean())
     allowed = (
-        max(SAME_LENGTH * mean, 4 * surface._vertex_error) if tolerance is None else float(tolerance) / unit
+        # Equal lengths differ by less than a millionth in files with seven digits.
+        max(1e-6 * mean, 4 * surface._vertex_error) if tolerance is None else float(tolerance) / unit
     )
     types = length_types(lengths, allowed)
     sphere = sphere_through(frame.vertices[np.unique(edges)], allowed)
