@@ -16,7 +16,6 @@ CHUNK = 8192  # geodesics at a time, to bound the memory
 WIDEST = 170.0  # largest angle between the ends of a path, in degrees
 SIDEWAYS = 0.1  # half-width of strips about a path, in chords
 RESOLVED = 1e-6  # relative change of the length above which the nodes are doubled
-RADIAL = 1e-6  # largest q u, over the trace: more than rounding and numerical derivatives leave
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
@@ -129,7 +128,8 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
             f"the metric {value} at theta = {theta:.6g}, phi = {phi:.6g}: it must be positive definite"
         )
     radial = np.einsum("nij,nj->ni", q, u)
-    tangent = np.abs(radial).max(axis=1) <= RADIAL * trace
+    # Rounding and numerical derivatives leave less.
+    tangent = np.abs(radial).max(axis=1) <= 1e-6 * trace
     if not tangent.all():
         i = int(np.argmin(tangent))
         raise InvalidMetric(

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.smooth.loops import summed
 
-CHUNK = 2_000_000  # values of harmonics evaluated at a time, to bound the memory
-
 
 @dataclass(frozen=True)
 class Harmonics:
@@ -102,7 +100,7 @@ class Harmonics:
         """
         n, k = tangents.shape[:2]
         out = np.empty((n, k, k, self.size if coefficients is None else coefficients.shape[1]))
-        chunk = max(1, CHUNK // self.size)
+        chunk = max(1, 2_000_000 // self.size)  # bounds the memory
         for begin in range(0, n, chunk):
             part = slice(begin, begin + chunk)
             tables = (table.T for table in self._evaluated(u[part], 2))
