@@ -75,9 +75,6 @@ class Certificate:
         return {**asdict(self), **(self.evidence.report if self.evidence else {})}
 
 
-HIDDEN = 1e-10
-"""Residual, in mean edge lengths, within the effect of rounding."""
-
 NOT_ASKED = Certificate(False, "not certified, because reports omit certificates for so many vertices")
 
 
@@ -85,7 +82,7 @@ def overdetermined(more: int, residual: float) -> Certificate:
     """Failed certificate of an overdetermined problem, given its residual in mean edge lengths."""
     open_question = (
         "so that nearly all lengths have no exact surface, and within rounding none can be proven to exist"
-        if residual < HIDDEN
+        if residual < 1e-10  # within the effect of rounding
         else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths: no rounding"
     )
     return Certificate(

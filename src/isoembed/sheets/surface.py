@@ -27,7 +27,6 @@ BALANCED = 1e-6  # largest imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; about 1 for a radius of curvature equal to the width
 ROUGH = 0.08  # fraction of rough edges: up to .05 on smooth sheets with K < 0, .1 to .25 on crumpled ones
 MEASURED = 1e-9  # mean edge lengths: with a given curve, larger residuals are errors of the lengths
-TOO_LITTLE = 0.95  # energy over the minimum of smooth surfaces below which the mesh is too coarse
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,12 +144,7 @@ class SheetEmbedding(Embedding):
         return found
 
     def _sentence(self) -> str:
-        e = int(np.argmax(self.residuals))
-        return (
-            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
-            f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}{self._trust()}{self._sides()}"
-        )
+        return f"{self._on_residual}{self._trust()}{self._sides()}"
 
     @property
     def _takes_length_errors(self) -> bool:
@@ -196,7 +190,8 @@ class SheetEmbedding(Embedding):
                 "the bending energy is not at a minimum, and the shape may be wrong: the forces are "
                 f"balanced only to {self.imbalance:.0e}"
             )
-        if self.second_form_energy < TOO_LITTLE * 2 * self.total_absolute_curvature:
+        # Smooth surfaces have at least twice the curvature, and good meshes of them nearly so.
+        if self.second_form_energy < 0.95 * 2 * self.total_absolute_curvature:
             clauses.append(
                 "the mesh is too coarse to determine the bending energy: int k1^2 + k2^2 dA is "
                 f"computed as {self.second_form_energy:.3g}, and no smooth surface has less than 2 int "
