@@ -2,9 +2,9 @@
 
 import argparse
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from isoembed.cli.screen import UsageError
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS
@@ -12,6 +12,7 @@ from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
 from isoembed.typed_numbers import number
 
+T = TypeVar("T")
 DEFAULT = 1000  # vertices
 READABLE = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
 """Endings of files with vertices and triangles."""
@@ -79,13 +80,22 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _merge(text: str) -> float:
+def converted(text: str, by: Callable[[str], T], wanted: str) -> T:
+    """Value of an argument, for types of options.
+
+    Raises
+    ------
+    ArgumentTypeError
+        The conversion raises ValueError; the message says what is wanted.
+    """
     try:
-        value = number(text)
+        return by(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a number (put files before --merge, not after it)"
-        ) from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not {wanted}") from None
+
+
+def _merge(text: str) -> float:
+    value = converted(text, number, "a number (put files before --merge, not after it)")
     if not 0 <= value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a number of mean edge lengths in [0, 1)")
     return value
@@ -107,10 +117,7 @@ def _space(text: str) -> Space | str:
         raise argparse.ArgumentTypeError(f"{text!r} is not hyperbolic[=K] or spherical[=K]")
     if not equals:
         return name
-    try:
-        space = Space(float(curvature))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
+    space = converted(curvature, lambda k: Space(float(k)), "a finite number")
     if space.name != name:
         sign = "negative" if name == "hyperbolic" else "positive"
         meant = f": {name}={-space.curvature:g}" if space.curvature else ""
@@ -262,10 +269,7 @@ def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) 
 
 
 def _count(text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+    value = converted(text, int, "a whole number")
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is less than 1")
     return value

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.cli.options import given
+from isoembed.cli.options import converted, given
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
@@ -197,12 +197,7 @@ def _triples(name: str, flat: list[float]) -> list[list[float]]:
 
 
 def _number(text: str) -> float:
-    try:
-        return number(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a number (files come before the options)"
-        ) from None
+    return converted(text, number, "a number (files come before the options)")
 
 
 def _listed(options: Sequence[str]) -> str:

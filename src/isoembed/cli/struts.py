@@ -10,6 +10,7 @@ from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
     add_output_option,
+    converted,
 )
 from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.screen import OK, print_aside, print_error, print_json, print_out
@@ -104,11 +105,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _length(text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        unit = ": lengths are in the unit of the file" if re.fullmatch(rf"[\d.,]+\s*{UNIT}", text) else ""
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number{unit}") from None
+    unit = ": lengths are in the unit of the file" if re.fullmatch(rf"[\d.,]+\s*{UNIT}", text) else ""
+    value = converted(text, number, f"a number{unit}")
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not a non-negative length")
     return value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.polygon import Polygon, is_number
 from isoembed.metric.precision import PRECISION, Precision, last_digits
 
 SAME_LENGTH = 1e-9  # relative difference of equal lengths, unless the digits of the coordinates imply another
@@ -53,9 +52,7 @@ class Tolerance:
         InvalidParameter
             The given tolerance is not a nonnegative length, or the polygons are not planar.
         """
-        if length is not None and (
-            isinstance(length, bool) or not isinstance(length, numbers.Real) or not 0 <= length < math.inf
-        ):
+        if length is not None and (not is_number(length) or not 0 <= length < math.inf):
             raise InvalidParameter(f"the tolerance is {length!r}, not a non-negative length")
         if not sheets[0].space.is_euclidean:  # coordinates are not lengths
             if length is not None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.gluing.outlines import Curve, Ellipse
+from isoembed.gluing.outlines import Curve, Ellipse, check_fraction
 from isoembed.gluing.polygon import is_number, side_lengths
 from isoembed.io.files import write_atomically
 from isoembed.io.registry import check_output
@@ -50,8 +50,7 @@ def write_dform(
         The offset or the scale is out of range.
     """
     check_output(path, (".svg",))
-    if not is_number(offset) or not 0 <= offset < 1:
-        raise InvalidParameter(f"offset is {offset!r}, not a fraction of the perimeter in [0, 1)")
+    check_fraction("offset", offset)
     if not is_number(scale) or not 0 < scale < math.inf:
         raise InvalidParameter(f"scale is {scale!r}, not a positive finite number of mm")
     u = np.arange(DENSE) / DENSE

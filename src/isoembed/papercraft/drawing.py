@@ -122,16 +122,6 @@ class Drawing:
     any_surface: bool
 
     @property
-    def mountains(self) -> list[Floats]:
-        """Endpoints of folds away from an outside viewer."""
-        return [fold.line for fold in self.folds if fold.kind == "mountain"]
-
-    @property
-    def valleys(self) -> list[Floats]:
-        """Endpoints of folds toward an outside viewer."""
-        return [fold.line for fold in self.folds if fold.kind == "valley"]
-
-    @property
     def underlines(self) -> list[Floats]:
         """Lines below labels that are ambiguous upside down."""
         return [one.underline for one in self.labels if one.underline is not None]

@@ -68,9 +68,7 @@ class _Folding(Frame):
         )
 
 
-def folding_page_writer(
-    path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing, *, title: str = ""
-) -> Writer:
+def folding_page_writer(path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing) -> Writer:
     """Writer of the page; see `isoembed.io.write_atomically`.
 
     Parameters
@@ -80,8 +78,6 @@ def folding_page_writer(
     unfolding : Unfolding
     pages : Drawing
         Drawing of the net.
-    title : str
-        Title of the page; by default the file name.
 
     Raises
     ------
@@ -107,7 +103,7 @@ def folding_page_writer(
     return page_writer(
         path,
         solid,
-        title=title or Path(path).stem,
+        title=Path(path).stem,
         frames=frames,
         caption=str(unfolding),
         tables=_counted(unfolding, pages.net, volume(triangles, solid.vertices)),
