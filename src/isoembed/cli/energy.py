@@ -31,7 +31,7 @@ from isoembed.cli.options import (
 from isoembed.cli.outputs import Outputs, print_written
 from isoembed.cli.pictures import add_picture_options, check_pictures, picture_writers
 from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_error, print_json, print_out
-from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
+from isoembed.cli.slices import OF_SLICE, add_slice_options, slice_label, slice_named
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer, write_atomically
 from isoembed.io.files import Writer, input_ending
@@ -133,8 +133,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z", "R"),
         help="the coordinate sphere with this center and radius, in a slice of spacetime",
     )
-    add_geometry_option(parser, "the slice of a --sphere")
-    add_slice_options(parser)
+    add_slice_options(parser, "the slice of a --sphere", mass_and_spin=False)
     add_reference_option(parser)
     add_vertices_option(parser)
     add_json_option(parser)

@@ -29,8 +29,6 @@ from isoembed.cli.screen import (
 )
 from isoembed.cli.slices import (
     OF_SLICE,
-    add_geometry_option,
-    add_hole_options,
     add_slice_options,
     slice_label,
     slice_named,
@@ -97,9 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="with --find: report the first N eigenvalues of the stability operator, complex in general",
     )
-    add_geometry_option(parser, "3-metric of the slice, missing from most horizon files")
-    add_hole_options(parser)
-    add_slice_options(parser)
+    add_slice_options(parser, "3-metric of the slice, missing from most horizon files")
     add_report_options(parser)
     add_marginal_options(
         parser, "of each file", "by default its expansion decides, and a metric without k is not one"

@@ -30,8 +30,6 @@ from isoembed.cli.screen import WRONG, UsageError, print_aside, print_error, pri
 from isoembed.cli.slices import (
     CLOSED_FORMS,
     OF_SLICE,
-    add_geometry_option,
-    add_hole_options,
     add_slice_options,
     slice_named,
 )
@@ -84,14 +82,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         ".npz, VTK, tables of metrics (.csv .txt .dat); or folders, or a simulation of the Einstein "
         "Toolkit; without files, the table and pictures are remade from the results in --output",
     )
-    add_geometry_option(
+    add_slice_options(
         parser,
         "slices that contain the horizons, unless these have metrics of their own: a pattern of "
         "files, 'slices/{iteration}.h5' or with {time}; a folder; a file with many times; or one for "
         "all",
     )
-    add_hole_options(parser)
-    add_slice_options(parser)
     add_report_options(parser)
     add_marginal_options(parser, "of each surface", "by default its expansion decides")
     parser.add_argument("--surface", metavar="NAME", help="which surface of SpECTRE files, if not all")

@@ -78,33 +78,35 @@ CLOSED_FORMS = {
 }
 
 
-def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
-    """Add the option for a slice."""
+def add_slice_options(parser: argparse.ArgumentParser, purpose: str, *, mass_and_spin: bool = True) -> None:
+    """Add the option for a slice, and those of closed forms.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    purpose : str
+        Purpose of the slice.
+    mass_and_spin : bool
+        Whether to add mass and spin, too, which spacetimes have in common with slices.
+    """
     parser.add_argument(
         "--geometry",
         metavar="GEOMETRY",
         help=f"{purpose}: a file (.h5 .hdf5 .npz) with gxx ... gzz, and kxx ... kzz, on a Cartesian grid; "
         f"a file of GRChombo or AthenaK, or a plot file of AMReX; or one of {', '.join(CLOSED_FORMS)}",
     )
-
-
-def add_hole_options(parser: argparse.ArgumentParser) -> None:
-    """Add mass and spin of a closed form with one hole."""
-    parser.add_argument(
-        "--mass", type=float, metavar="M", help="mass of the closed-form geometry (default 1)"
-    )
-    parser.add_argument(
-        "--spin",
-        type=_number,
-        nargs="+",
-        metavar="A",
-        help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector AX AY AZ "
-        "(default 0)",
-    )
-
-
-def add_slice_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of closed forms besides mass and spin."""
+    if mass_and_spin:
+        parser.add_argument(
+            "--mass", type=float, metavar="M", help="mass of the closed-form geometry (default 1)"
+        )
+        parser.add_argument(
+            "--spin",
+            type=_number,
+            nargs="+",
+            metavar="A",
+            help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector "
+            "AX AY AZ (default 0)",
+        )
     coordinates = ("X", "Y", "Z")
     parser.add_argument(
         "--center", type=float, nargs=3, metavar=coordinates, help="center of the single hole (default 0 0 0)"
