@@ -34,12 +34,7 @@ class Outputs(dict[str, Path]):
         return found
 
     def keep_apart(self, *inputs: Path) -> None:
-        """Raise an error if two options name the same file, or one of the inputs.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Raise UsageError if two options name the same file, or one of the inputs."""
         for (name, path), (other, same) in combinations(self.items(), 2):
             if path.resolve() == same.resolve():
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
@@ -72,12 +67,7 @@ class Outputs(dict[str, Path]):
 
 
 def check_folder(path: Path) -> None:
-    """Raise an error if an output folder is a file, or has the name of a surface.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Raise UsageError if an output folder is a file, or has the name of a surface."""
     if path.exists() and not path.is_dir():
         raise UsageError(f"the output {path} is not a folder")
     if not path.exists() and ending(path) in SURFACE_ENDINGS:
@@ -106,12 +96,7 @@ def elapsed(options: argparse.Namespace) -> str:
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
-    """Check before a computation that its result can be written, and is not an input.
-
-    Raises
-    ------
-    FileError, UsageError
-    """
+    """Raise FileError or UsageError if the result of a computation cannot be written, or is an input."""
     check_output(path, endings)
     _check_inputs(path, inputs)
 

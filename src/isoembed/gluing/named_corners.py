@@ -123,12 +123,7 @@ def faced_alike(
 
 
 def check_together(corners: Names, vertices: Sequence[Indices]) -> None:
-    """Raise an error if corners with the same name became different vertices.
-
-    Raises
-    ------
-    InvalidMetric
-    """
+    """Raise InvalidMetric if corners with the same name became different vertices."""
     first: dict[Hashable, tuple[int, int]] = {}
     for p, (names, own) in enumerate(zip(corners, vertices, strict=True)):
         for name, vertex in zip(names, own.tolist(), strict=True):

@@ -129,12 +129,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str, Any]) -> str:
-    """Carry out the proof for a normalized metric: record its constants, return further conclusions.
-
-    Raises
-    ------
-    NotProven
-    """
+    """Prove for a normalized metric: record constants, return further conclusions; raises NotProven."""
     t = metric.triangulation
     [loop] = t.boundaries
     equations = HeightEquations(loop, heights, x)

@@ -135,12 +135,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]) -> str:
-    """Carry out the proof for a normalized metric: record its constants, return its statement.
-
-    Raises
-    ------
-    NotProven
-    """
+    """Prove for a normalized metric: record constants, return the statement; raises NotProven."""
     t = metric.triangulation
     motions = 3 * t.n_vertices - 6 - t.n_edges
     nearby = NearbyRealization.of(metric, x, length_errors, found)

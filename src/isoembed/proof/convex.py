@@ -107,12 +107,7 @@ def certify(
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]) -> float:
-    """Carry out the proof for a normalized metric: return the distance, and record the other constants.
-
-    Raises
-    ------
-    NotProven
-    """
+    """Prove for a normalized metric: record constants, return the distance; raises NotProven."""
     nearby = NearbyRealization.of(metric, x, length_errors, found)
     equations = nearby.equations
     found["kantorovich"], radius = nearby.newton_kantorovich()

@@ -16,11 +16,9 @@ from isoembed.arrays import Floats
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.boundary_curve import height_with_area
-from isoembed.sheets.elastic_sheet import ElasticSheet
-from isoembed.sheets.least_bending import STIFFNESSES
+from isoembed.sheets.least_bending import STIFFNESSES, elastic_sheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.multidimensional_scaling import scaled_distances
-from isoembed.surface.vertex_system import HeldTriangle
 
 MODES = 3
 SOUGHT = 4  # number of computed eigenvectors over MODES
@@ -38,7 +36,7 @@ def buckled(
     if t.genus or t.n_vertices <= SOUGHT * MODES:
         return [], STIFFNESSES
     flat = scaled_distances(metric)[:, ::-1] * [1.0, 1.0, 0.0]
-    sheet = ElasticSheet(lengths, energy.form, HeldTriangle.of(flat, t.faces[0]), recorder)
+    sheet = elastic_sheet(energy, lengths, flat, recorder)
     flat = sheet.relaxed(flat, STIFFNESSES[0] * energy.area, 20, 1e-3)
     a, b, c = flat[t.faces].transpose(1, 0, 2)
     signed = np.cross(b - a, c - a)[:, 2]

@@ -57,15 +57,20 @@ def thinned(
     stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> LeastBending:
     """Minimize the energy of successively thinner elastic sheets, from a start with any lengths."""
-    x = start
-    clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
-    sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
+    x, sheet = start, elastic_sheet(energy, lengths, start, recorder)
     recorder.show(vertices=x)
     for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
         x = sheet.relaxed(x, epsilon, 40)
         recorder.show(vertices=x)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
+
+
+def elastic_sheet(
+    energy: BendingEnergy, lengths: LengthConstraints, x: Floats, recorder: StageRecorder
+) -> ElasticSheet:
+    """Elastic sheet without rigid motions of its first triangle, which is that of x."""
+    return ElasticSheet(lengths, energy.form, HeldTriangle.of(x, lengths.triangulation.faces[0]), recorder)
 
 
 def most_promising(
@@ -92,8 +97,7 @@ def most_promising(
         epsilon = stiffness * energy.area
         tried = []
         for start, x in candidates:
-            clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
-            sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
+            sheet = elastic_sheet(energy, lengths, x, recorder)
             x = sheet.relaxed(x, epsilon, 20)
             tried.append((sheet.value(x, epsilon), start, x))
         tried.sort(key=lambda each: each[0])

@@ -127,11 +127,10 @@ class SheetEmbedding(Embedding):
 
     def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
         """Return a surface with other vertices, not a solution, with the curvature fits of this one."""
-        assert isinstance(self.surface, SheetSurface)
         found = SheetEmbedding(
             self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
         )
-        found.surface.__dict__["_energy"] = self.surface._energy
+        found.surface.__dict__["_energy"] = self._sheet._energy
         return found
 
     def _in_unit_of(self, target: Any) -> SheetEmbedding:
@@ -220,10 +219,14 @@ class SheetEmbedding(Embedding):
         return super()._made_surface(SheetSurface, metric=self.metric.normalized, **more)
 
     @property
+    def _sheet(self) -> SheetSurface:
+        assert isinstance(self.surface, SheetSurface)
+        return self.surface
+
+    @property
     def second_form_energy(self) -> float:
         """Integral of k1^2 + k2^2 dA."""
-        assert isinstance(self.surface, SheetSurface)
-        return self.surface.second_form_energy
+        return self._sheet.second_form_energy
 
     @cached_property
     def total_absolute_curvature(self) -> float:
@@ -234,8 +237,7 @@ class SheetEmbedding(Embedding):
         integral under refinement, like the energy to its own limit: for a given mesh, the energy may be less
         than twice the estimate.
         """
-        assert isinstance(self.surface, SheetSurface)
-        t, areas = self.triangulation, self.surface._energy.areas
+        t, areas = self.triangulation, self._sheet._energy.areas
         inside = (~t.boundary_vertices).astype(np.float64)
         curvature = inside * np.abs(deficits(self.metric.normalized)) / areas
         beside = t.adjacency @ curvature / np.maximum(t.adjacency @ inside, 1.0)
@@ -270,9 +272,7 @@ class SheetEmbedding(Embedding):
         """Derivatives of the fitted mean curvature."""
         from isoembed.sheets.fitted_curvature import FittedCurvatureRates
 
-        surface = self.surface
-        assert isinstance(surface, SheetSurface)
-        return FittedCurvatureRates(self.triangulation, surface._normalized, surface._energy)
+        return FittedCurvatureRates(self.triangulation, self._sheet._normalized, self._sheet._energy)
 
     @property
     def _reported(self) -> Mapping[str, Any]:
@@ -286,12 +286,8 @@ class SheetEmbedding(Embedding):
             "total_absolute_curvature": self.total_absolute_curvature,
             "imbalance": self.imbalance,
         }
-        assert isinstance(self.surface, SheetSurface)
-        return (
-            {"sheet": found}
-            if self.surface._above_boundary is None
-            else {"sheet": found, "volume": self.volume}
-        )
+        has_volume = self._sheet._above_boundary is not None
+        return {"sheet": found, "volume": self.volume} if has_volume else {"sheet": found}
 
 
 def _heights(x: Floats, boundary: Mask) -> Floats:

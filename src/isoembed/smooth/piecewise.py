@@ -52,6 +52,11 @@ class Piecewise:
         return Piecewise(self.breaks, series)
 
 
+def value_at(f: Callable[[Floats], Floats], x: float) -> float:
+    """Value of a function of arrays at one point."""
+    return float(f(np.array([x]))[0])
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Values (m, n) of m functions at x (n,), and their rounding errors (n,), relative to the largest."""
