@@ -12,8 +12,7 @@ from pathlib import Path
 from isoembed.cli.screen import UsageError, is_terminal, print_aside
 from isoembed.io import SURFACE_ENDINGS, FileError, check_output, write_atomically
 from isoembed.io.files import Writer, ending
-
-SHOWN = 5  # file names listed in a message
+from isoembed.reprs import listed
 
 
 class Outputs(dict[str, Path]):
@@ -80,8 +79,7 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
     """Last line of a command: the written files, if any, and the elapsed time."""
     if not files:
         return elapsed(options)
-    more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
-    return f"{', '.join([*map(str, files[:SHOWN]), *more])} written, {elapsed(options)}"
+    return f"{listed(list(map(str, files)))} written, {elapsed(options)}"
 
 
 def print_written(options: argparse.Namespace, *files: Path) -> None:

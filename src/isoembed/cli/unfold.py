@@ -20,6 +20,7 @@ from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.paper import FORMATS, Paper
 from isoembed.papercraft.sheets import drawing_writer
+from isoembed.reprs import counted
 from isoembed.typed_numbers import millimeters, number
 
 DRAWING = ("paper", "scale", "size", "numbers")
@@ -150,7 +151,7 @@ def run(options: argparse.Namespace) -> int:
         if paper.is_roll:
             text += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
         else:
-            text += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
+            text += f"; {counted(net_pages, 'page')} of {paper.name}"
         if options.numbers:
             text += " and a drawing of the solid"
     write_atomically({output: writer})

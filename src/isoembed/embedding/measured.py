@@ -15,6 +15,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision, rounded_unit, rounding_error
+from isoembed.reprs import listed
 from isoembed.surface.deviation import largest_vertex_error, vertex_error
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.flat_faces import coplanar_faces
@@ -29,8 +30,6 @@ SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most."""
-NAMED = 8
-"""Edges named at most as those that may be wrong instead."""
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
 SCATTERED = 2.0
@@ -260,11 +259,10 @@ class MeasuredSurface(Embedding):
         """Clause on edges that may be wrong in the place of those named; empty if there are none."""
         if self.alike is None or not self.alike.size:
             return ""
-        named, more = self.alike[:NAMED].tolist(), len(self.alike) - NAMED
+        others = listed([self._name(e) for e in self.alike.tolist()], most=8)
         return (
             f"; the lengths do not tell {'it' if len(suspects) == 1 else 'them'} from "
-            f"{', '.join(map(self._name, named))}"
-            f"{f' and {more} more' if more > 0 else ''}, an error of which explains them as well"
+            f"{others}, an error of which explains them as well"
         )
 
     def _advice(self, *, in_percent: bool = False) -> str:

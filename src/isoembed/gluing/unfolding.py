@@ -19,6 +19,7 @@ from isoembed.gluing.sheet_faces import glued_faces
 from isoembed.gluing.sheet_search import Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
+from isoembed.reprs import counted
 
 if TYPE_CHECKING:
     from isoembed.papercraft.material import Material
@@ -70,12 +71,8 @@ class Unfolding:
         return f"Unfolding({self})"
 
     def __str__(self) -> str:
-        folds = sum(map(len, self.folds))
-        sheets, creased = (
-            f"{count} {name}{'' if count == 1 else 's'}"
-            for count, name in ((len(self.sheets), "sheet"), (folds, "fold"))
-        )
-        return f"{sheets}, {len(self.sides)} pairs of sides, {creased}"
+        sheets, folds = counted(len(self.sheets), "sheet"), counted(sum(map(len, self.folds)), "fold")
+        return f"{sheets}, {len(self.sides)} pairs of sides, {folds}"
 
     @cached_property
     def fold_corners(self) -> tuple[Indices, ...]:

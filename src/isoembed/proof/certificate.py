@@ -17,7 +17,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_realization import NearbyRealization
 from isoembed.proof.rounding import GUARD
-from isoembed.reprs import short_repr
+from isoembed.reprs import counted, short_repr
 from isoembed.surface.intersection import self_intersections
 from isoembed.thresholds import rounded_down, rounded_up
 
@@ -142,7 +142,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     found["kantorovich"], radius = nearby.newton_kantorovich()
     found["radius"] = GUARD * nearby.distance(radius) / metric.mean_length
     if motions:
-        others = f"in a family with {motions} parameter{'' if motions == 1 else 's'}"
+        others = f"in a family with {counted(motions, 'parameter')}"
     else:
         found["isolation"] = nearby.isolation(radius) / (GUARD * metric.mean_length)
         others = f"and any other at least {rounded_down(found['isolation'])} from it"

@@ -223,7 +223,10 @@ class _Goal:
                 break
             if harmonics.degree >= HINDERED_DEGREE and self._is_in_vain(surface, residuals):
                 return self._judged(surface, residuals), residuals
-            carried = surface.residual <= 1e-3 and not self._has_left(surface)
+            # With K < k on the surface but not in the metric, few harmonics may favor another surface.
+            carried = surface.residual <= 1e-3 and not (
+                surface.least_curvature < self.space.curvature < self._least_curvature
+            )
         return surface, residuals
 
     def _attainable(self, surface: SmoothEmbedding) -> float:
@@ -254,10 +257,6 @@ class _Goal:
                 f"{_sign_of_curvature(self.metric, self.space)}"
             ),
         )
-
-    def _has_left(self, surface: SmoothEmbedding) -> bool:
-        """Whether K < k on the surface but not in the metric: few harmonics may favor another surface."""
-        return surface.least_curvature < self.space.curvature < self._least_curvature
 
     @cached_property
     def _least_curvature(self) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
+from isoembed.reprs import counted
 
 ROUNDING = 1e-9  # of a bar: tolerance for struts that fill it exactly
 GAIN = 1e-6  # of a bar: least improvement by a new pattern; linear programs are solved to 1e-7
@@ -59,8 +60,7 @@ class CutList:
         return sum(bar.count * bar.rest for bar in self.bars) / (self.count * self.stock)
 
     def __str__(self) -> str:
-        bars = "bar" if self.count == 1 else "bars"
-        lines = [f"{self.count} {bars} of {self.stock:.6g}, {self.waste:.1%} left over"]
+        lines = [f"{counted(self.count, 'bar')} of {self.stock:.6g}, {self.waste:.1%} left over"]
         width = len(str(max(bar.count for bar in self.bars)))
         for bar in self.bars:
             parts = ", ".join(f"{n} {name}" for name, n in Counter(bar.struts).items())

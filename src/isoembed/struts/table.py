@@ -14,6 +14,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import frozen
+from isoembed.reprs import counted
 from isoembed.struts import saving
 from isoembed.struts.cut_list import CutList
 from isoembed.struts.frame import Frame
@@ -118,11 +119,11 @@ class StrutTable:
     def summary(self) -> str:
         """Numbers of struts, hubs and faces, in one line."""
         on = "" if self.radius is None else f"; on a sphere of radius {self.radius:.6g}"
-        counted = []
-        for name, types in (("strut", self.struts), ("hub", self.hubs), ("face", self.faces)):
-            n, kinds = sum(each.count for each in types), len(types)
-            counted.append(f"{n} {name}{'s' * (n != 1)} of {kinds} type{'s' * (kinds != 1)}")
-        return ", ".join(counted) + on
+        parts = (
+            f"{counted(sum(each.count for each in types), name)} of {counted(len(types), 'type')}"
+            for name, types in (("strut", self.struts), ("hub", self.hubs), ("face", self.faces))
+        )
+        return ", ".join(parts) + on
 
     def __str__(self) -> str:
         return saving.text(self)
