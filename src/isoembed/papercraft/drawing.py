@@ -141,16 +141,8 @@ def drawn(
     Parameters
     ----------
     unfolding : Unfolding
-    paper : str
-        See `isoembed.papercraft.paper.Paper.of`.
-    scale : float, optional
-        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float or tuple, optional
-        Alternative to a scale; see `isoembed.papercraft.placing.laid_out`.
-    numbers : bool, optional
-        Whether faces are numbered, and the solid is drawn on an additional page.
-    material : Material, optional
-        Joints, allowance, kerf and cutting of folds.
+    paper, scale, size, numbers, material
+        See `isoembed.papercraft.write_sheets`.
 
     Raises
     ------

@@ -78,19 +78,13 @@ def laid_out(
 ) -> Layout:
     """Arrange a net on pages.
 
-    At a given `scale` or `size`, sheets larger than a page are divided into islands by few and short cuts
-    along folds.  Of portrait and landscape, the one with fewer islands, then fewer pages, is used.
+    Of portrait and landscape, the one with fewer islands, then fewer pages, is used at a given scale or size.
 
     Parameters
     ----------
     unfolding : Unfolding
-    paper : str
-        See `Paper.of`.
-    scale : float, optional
-        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float or tuple, optional
-        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm, or
-        ``("z", extent)``, that along z, and likewise of x and y.
+    paper, scale, size
+        See `isoembed.papercraft.write_sheets`.
     beyond : float
         Extent of cuts beyond that of tabs, mm.
 
