@@ -22,6 +22,7 @@ from isoembed.cli.options import (
     add_run_options,
     add_space_option,
     converted,
+    given,
     refuse_given,
 )
 from isoembed.cli.parameters import configured, parameters
@@ -230,8 +231,9 @@ def _method(options: argparse.Namespace, near: isoembed.Embedding | None) -> iso
     """Method with its parameters, one of which may be the nearest surface."""
     name = options.method or ("aim" if options.boundary is None else "sheet")
     fields = parameters(method_class(name))
-    for field, (needed, why) in OF_METHODS.items():
-        if getattr(options, field) not in (None, False) and field not in fields:
+    for field, value in given(options, OF_METHODS).items():
+        if value is not False and field not in fields:
+            needed, why = OF_METHODS[field]
             option = field.replace("_", "-")
             raise UsageError(f"--{option} needs the method {needed!r}: the method {name!r} {why}")
     if options.length_error is not None and options.best_fit:

@@ -118,7 +118,7 @@ def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: st
 def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
     """Sides ordered by preference for joining the faces across them."""
     slopes = directions @ (up / np.linalg.norm(up))
-    sharp = np.abs(faces.angles) > 1e-3  # radians; others are cut only if these cannot be
+    sharp = np.abs(faces.angles) > 1e-3  # radians; smaller ones are cut only if no others can be
     faceted = np.bincount(faces.corners, sharp) > 0
     boundary = np.zeros(len(faceted), dtype=np.bool_)
     boundary[faces.corners[faces.twins == np.arange(len(slopes))]] = True
