@@ -7,6 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.gluing.polygon import consecutive
 from isoembed.mesh.merging import representatives
 
 MEETS = 1e-4  # sizes of the sheet: largest distance of coincident corners
@@ -54,7 +55,7 @@ def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, i
     """Faces at each side (smaller, larger vertex), with its endpoints in the order around the face."""
     owners: dict[Side, list[tuple[int, int, int]]] = {}
     for f, face in enumerate(faces):
-        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+        for a, b in consecutive(face):
             owners.setdefault((min(a, b), max(a, b)), []).append((f, a, b))
     return owners
 
@@ -102,7 +103,7 @@ def fold_up(
         while waiting:
             f = waiting.popleft()
             turn, shift = turns[f]
-            for a, b in zip(faces[f], [*faces[f][1:], faces[f][0]], strict=True):
+            for a, b in consecutive(faces[f]):
                 side = min(a, b), max(a, b)
                 for g, *_ in owners[side]:
                     if g == f:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numbers
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeGuard
 
@@ -160,6 +161,12 @@ def _checked(corners: Floats, space: Space, index: int, description: str) -> Flo
             f"polygon {index} is {description}: sides {min(first, second)} and {max(first, second)} meet"
         )
     return shape
+
+
+def consecutive(ring: Sequence[int] | Indices) -> list[tuple[int, int]]:
+    """Pairs of neighbors around a ring of corners, each with the next one."""
+    corners = [int(corner) for corner in ring]
+    return list(zip(corners, corners[1:] + corners[:1], strict=True))
 
 
 def following(first: Indices) -> Indices:

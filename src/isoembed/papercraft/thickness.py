@@ -22,7 +22,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.offset import moved_sides
-from isoembed.gluing.polygon import interior_angles, meeting_sides
+from isoembed.gluing.polygon import consecutive, interior_angles, meeting_sides
 from isoembed.papercraft.material import Material
 
 if TYPE_CHECKING:
@@ -83,10 +83,10 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
     places: dict[Corner, Corner] = {}
     normals = _normals(unfolding)
     owner = {
-        (p, int(a)): (p, f)
+        (p, a): (p, f)
         for p, faces in enumerate(unfolding.faces)
         for f, face in enumerate(faces)
-        for a, b in zip(face, np.roll(face, -1), strict=True)
+        for a, b in consecutive(face)
         if (a + 1) % len(unfolding.sheets[p]) == b
     }
     mates = {side: owner[mate] for pair in unfolding.sides for side, mate in (pair, pair[::-1])}
@@ -138,11 +138,7 @@ class _Sheet:
     def __init__(self, sheet: Floats, faces: tuple[Indices, ...]) -> None:
         self.faces = [sheet[face] for face in faces]
         self.size = float(np.ptp(sheet, axis=0).max())
-        self.ends = {
-            (f, k): (int(a), int(b))
-            for f, face in enumerate(faces)
-            for k, (a, b) in enumerate(zip(face, np.roll(face, -1), strict=True))
-        }
+        self.ends = {(f, k): ends for f, face in enumerate(faces) for k, ends in enumerate(consecutive(face))}
         place = {ends: at for at, ends in self.ends.items()}
         self.twins = {at: place[b, a] for at, (a, b) in self.ends.items() if (b, a) in place}
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
-from isoembed.gluing.polygon import signed_area
+from isoembed.arrays import Floats, Indices, Mask, chunks
+from isoembed.gluing.polygon import consecutive, signed_area
 from isoembed.intrinsic.ears import triangulated
 from isoembed.papercraft.labels import Label
 from isoembed.papercraft.numbers import face_numbers
@@ -73,11 +73,7 @@ def views(
         before = np.concatenate(
             [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
         )
-        edges = {
-            tuple(sorted(pair))
-            for _, face in front
-            for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
-        }
+        edges = {tuple(sorted(ends)) for _, face in front for ends in consecutive(face)}
         ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
         visible = _visible(projection[ends], before, CLOSE * scale)
         lines += visible
@@ -153,15 +149,14 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
 def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
     """Mask of points, (n, 3), behind any counterclockwise triangle, (m, 3, 3)."""
     hidden = np.zeros(len(points), dtype=np.bool_)
-    step = max(1, (1 << 22) // max(len(triangles), 1))  # bounds the memory
     sides = np.roll(triangles, -1, axis=1) - triangles
     normal = np.cross(sides[:, 0], sides[:, 1])
-    for k in range(0, len(points), step):
-        some = points[k : k + step]
+    for part in chunks(len(points), max(1, (1 << 22) // max(len(triangles), 1))):  # bounds the memory
+        some = points[part]
         inside = np.ones((len(some), len(triangles)), dtype=np.bool_)
         for c in range(3):
             x, y = (some[:, None, axis] - triangles[:, c, axis] for axis in (0, 1))
             inside &= sides[:, c, 0] * y - sides[:, c, 1] * x > 0
         to = some[:, None] - triangles[:, 0]
-        hidden[k : k + step] = (inside & ((to * normal).sum(axis=2) < -close * normal[:, 2])).any(axis=1)
+        hidden[part] = (inside & ((to * normal).sum(axis=2) < -close * normal[:, 2])).any(axis=1)
     return hidden

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, chunks
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
 from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric, tensor_at
 
-CHUNK = 8192  # geodesics at a time, to bound the memory
 WIDEST = 170.0  # largest angle between the ends of a path, in degrees
 SIDEWAYS = 0.1  # half-width of strips about a path, in chords
 RESOLVED = 1e-6  # relative change of the length above which the nodes are doubled
@@ -63,8 +62,7 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     if len(P) == 0:
         return lengths
     unit, own = in_own_unit(metric, P[:1])
-    for begin in range(0, len(P), CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for part in chunks(len(P), 8192):  # bounds the memory
         lengths[part] = _lengths(own, P[part], Q[part])
     return unit * lengths
 
