@@ -261,4 +261,4 @@ def test_the_tables_of_thresholds_are_those_of_the_code():
     text = module.PAGE.read_text(encoding="utf-8")
     assert module.current(text) == text, "run python docs/thresholds.py"
     names = [name for _, name, _ in module.everywhere()]
-    assert "GLUING" in names and len(set(names)) == len(names)
+    assert "MERGING" in names and len(set(names)) == len(names)

@@ -1,9 +1,9 @@
-"""Short `repr` of results with large arrays, and their HTML tables in notebooks."""
+"""Texts of results: short `repr` of those with large arrays, HTML tables in notebooks, lists and counts."""
 
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any, TypeVar
 
@@ -14,6 +14,17 @@ Kind = TypeVar("Kind", bound=type)
 SMALL = 4  # numbers that are shown one by one
 LONGEST = 60  # characters of a text
 MOST = 8  # entries of a repr; a table has all
+
+
+def listed(items: Sequence[str], most: int = 5) -> str:
+    """Text with the first items and the number of the others."""
+    more = len(items) - most
+    return ", ".join(items[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def counted(number: int, noun: str) -> str:
+    """Number of things, with the noun in the plural unless it is one."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def short_repr(cls: Kind) -> Kind:

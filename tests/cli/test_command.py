@@ -353,6 +353,8 @@ def test_surface_writes_the_metric_alone(run):
 
 def test_surface_writes_the_mesh(run):
     assert run("surface", "sphere", "--radius", 2, "--vertices", 50, "-o", "m.off")[0] == 0
+    sphere = ("sphere", "--vertices", 12, "-o", "quiet.off")
+    assert run("surface", "--quiet", *sphere) == run("surface", *sphere, "--quiet") == (0, "", "")
     points = np.array([line.split() for line in Path("m.off").read_text().splitlines()[2:52]], dtype=float)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 2, rtol=1e-14)
 

@@ -102,6 +102,7 @@ def test_a_method_of_another_package_does_what_ours_do(run):
         (["plain", "--parameter", "times=1"], "the method 'plain' has no parameter 'times'; it has none"),
         (["plain", "--best-fit"], "the method 'plain' has no best fit"),
         (["plain", "--effort", "2"], "the method 'plain' does not search"),
+        (["plain", "--effort", "0"], "the method 'plain' does not search"),
         (["aim", "--effort", "-1"], "effort is -1.0, not a finite number of at least 0"),
         (["broken"], "the method 'broken' cannot be loaded from turning:missing: AttributeError"),
         (["magic"], "choose from aim, paper, alexandrov, sheet, broken, plain, turned"),

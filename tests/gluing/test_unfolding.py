@@ -1,7 +1,5 @@
 """Solids unfolded: sheets without overlaps that, glued again, are the solid."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
@@ -14,7 +12,6 @@ from gluing_polygons import shoelace
 from isoembed import Embedding, InvalidMetric, PolyhedralMetric
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
-from isoembed.gluing.sheet_search import UnfoldingThresholds
 from isoembed.metric.curvature import deficits
 
 
@@ -133,12 +130,11 @@ def crumpled():
 
 def test_where_no_direction_helps_sides_are_exchanged(monkeypatch):
     surface = crumpled()
-    given = UnfoldingThresholds()
-    monkeypatch.setattr("isoembed.gluing.sheet_search.UNFOLDING", replace(given, exchanges=0))
-    before = unfold(surface)
+    with monkeypatch.context() as without:
+        without.setattr("isoembed.gluing.sheet_search.EXCHANGES", 0)
+        before = unfold(surface)
     check_sheets(before, surface)
     check_deficits(before, surface)
-    monkeypatch.setattr("isoembed.gluing.sheet_search.UNFOLDING", given)
     after = unfold(surface)
     check_sheets(after, surface)
     check_deficits(after, surface)

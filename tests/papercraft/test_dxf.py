@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import zoo
+from drawings import lines_of
 from isoembed import Embedding, PolyhedralMetric
 from isoembed.gluing import unfold
 from isoembed.papercraft import write_sheets
@@ -41,7 +42,7 @@ def test_lines_by_layer(written):
     for cut, right in zip(cuts, drawing.cuts, strict=True):
         assert np.array(cut.get_points("xy")) == pytest.approx(right + up, abs=1e-4)
     folds = space.query('LINE[layer=="mountain"]')
-    assert len(folds) == len(drawing.mountains)
+    assert len(folds) == len(lines_of(drawing, "mountain"))
     texts = space.query('TEXT[layer=="numbers"]')
     assert [text.dxf.text for text in texts] == [label.text for label in drawing.labels]
     for text, label in zip(texts, drawing.labels, strict=True):
@@ -62,7 +63,7 @@ def test_no_line_is_drawn_twice(written):
     """No two lines have more than a point in common where they have one direction."""
     _, drawing = written
     lines = [np.stack([cut, np.roll(cut, -1, axis=0)], axis=1) for cut in drawing.cuts + drawing.glue]
-    lines += [np.array(drawing.mountains), np.array(drawing.ruler + drawing.underlines)]
+    lines += [np.array(lines_of(drawing, "mountain")), np.array(drawing.ruler + drawing.underlines)]
     ends = np.concatenate(lines)
     steps = ends[:, 1] - ends[:, 0]
     lengths = np.hypot(*steps.T)

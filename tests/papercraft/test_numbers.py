@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import solids
 import zoo
+from drawings import lines_of
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
 from isoembed.errors import MeshNote
 from isoembed.gallery import BentTube, triangulate
@@ -67,7 +68,10 @@ def test_faces_of_no_solid_have_no_numbers():
 def test_a_number_is_inside_its_face_and_meets_no_line_or_label():
     drawing = drawn(net_of(*zoo.icosahedron()), numbers=True)
     lines = np.array(
-        [*drawing.mountains, *np.stack([drawing.cuts[0], np.roll(drawing.cuts[0], -1, axis=0)], axis=1)]
+        [
+            *lines_of(drawing, "mountain"),
+            *np.stack([drawing.cuts[0], np.roll(drawing.cuts[0], -1, axis=0)], axis=1),
+        ]
     )
     inside = [one for one in drawing.notes if one.text.startswith("F") and one.y > -drawing.height]
     boxes = np.array([one.box for one in (*drawing.labels, *inside)])

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 import isoembed
 import solids
 import zoo
+from drawings import lines_of
 from exact import is_simple
 from gluing_polygons import shoelace
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
@@ -46,13 +47,13 @@ def test_a_cube_on_a4():
     assert (drawing.width, drawing.height, drawing.pages) == (210, 297, 1)
     assert Counter(one.text for one in drawing.labels) == Counter({str(k): 2 for k in range(1, 8)})
     assert {one.size for one in drawing.labels} == {4.2}
-    assert len(drawing.mountains) == 5 + 7  # of the solid, and one for each tab
-    assert not drawing.valleys
+    assert len(lines_of(drawing, "mountain")) == 5 + 7  # of the solid, and one for each tab
+    assert not lines_of(drawing, "valley")
     (cut,) = drawing.cuts
     assert len(cut) == 14 + 2 * 7
     assert is_simple(cut) and cut[:, 0].min() > 0 and cut[:, 0].max() < 210
     side = float(drawing.notes[0].text.split("; ")[1].split()[0])
-    assert np.hypot(*np.diff(drawing.mountains[0], axis=0)[0]) == pytest.approx(side, rel=1e-3)
+    assert np.hypot(*np.diff(lines_of(drawing, "mountain")[0], axis=0)[0]) == pytest.approx(side, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -92,7 +93,7 @@ def test_labels_stand_at_their_sides():
 def test_valleys_of_a_surface_that_is_not_convex():
     net = net_of(*triangulate(Ergosphere(), 80))
     drawing = drawn(net)
-    assert len(drawing.valleys) == sum(int((angles < 0).sum()) for angles in net.angles) > 0
+    assert len(lines_of(drawing, "valley")) == sum(int((angles < 0).sum()) for angles in net.angles) > 0
     assert [kind for kind, _ in drawing.legend] == ["cut", "mountain", "valley"]
     assert "fold toward you" in [one.text for one in drawing.notes]
 
@@ -102,10 +103,10 @@ def test_faces_that_rounding_bent_are_not_folded():
     net = net_of(vertices.round(5), solids.triangles(solids.polygons(vertices)))
     assert sum(map(len, net.folds)) == 11  # rounding explains the bends of diagonals
     drawing = drawn(net)
-    assert len(drawing.mountains) == 11 + len(net.sides) == 11 + 19
-    assert not drawing.valleys
+    assert len(lines_of(drawing, "mountain")) == 11 + len(net.sides) == 11 + 19
+    assert not lines_of(drawing, "valley")
     long = (1 + 5**0.5) / 2 * drawing_scale(drawing)
-    assert max(np.hypot(*(b - a)) for a, b in drawing.mountains) < 0.9 * long
+    assert max(np.hypot(*(b - a)) for a, b in lines_of(drawing, "mountain")) < 0.9 * long
 
 
 def test_numbers_that_are_others_upside_down_are_underlined():
@@ -205,7 +206,7 @@ def test_a_scale_is_kept():
     net = net_of(*zoo.cube())
     drawing = drawn(net, scale=30.0)
     assert drawing_scale(drawing) == 30
-    lengths = [float(np.hypot(*(b - a))) for a, b in drawing.mountains]
+    lengths = [float(np.hypot(*(b - a))) for a, b in lines_of(drawing, "mountain")]
     assert lengths == pytest.approx([30.0] * len(lengths))
 
 
@@ -259,7 +260,7 @@ def test_svg_holds_every_line(tmp_path):
     groups = {group.get("id"): group for group in root.findall(f"{name}g")}
     numbers = [float(x) for x in re.findall(r"-?\d+\.\d+", groups["cut"][0].get("d"))]
     assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-4)
-    assert len(groups["mountain"]) == len(drawing.mountains)
+    assert len(groups["mountain"]) == len(lines_of(drawing, "mountain"))
     layers = ["glue", "engrave", "valley", "mountain", "cut"]
     assert [*groups] == layers
     inkscape = "{http://www.inkscape.org/namespaces/inkscape}"

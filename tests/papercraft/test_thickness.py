@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import zoo
+from drawings import lines_of
 from exact import is_simple
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
 from isoembed.gluing import unfold
@@ -93,7 +94,7 @@ def test_the_drawing_has_the_folds_of_the_thick_sheet():
     net = net_of(*zoo.cube())
     drawing = drawn(net, scale=40.0, material=Material(thickness=3.0, joints="none"))
     fold = 3.0 - math.pi / 2 * 1.5 / 2
-    lines = np.array(drawing.mountains)
+    lines = np.array(lines_of(drawing, "mountain"))
     steps = (lines[:, 1] - lines[:, 0]) / np.hypot(*(lines[:, 1] - lines[:, 0]).T)[:, None]
     apart = [
         abs(float((other[0] - one[0]) @ [-step[1], step[0]]))

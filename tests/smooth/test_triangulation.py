@@ -11,8 +11,8 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.intrinsic.delaunay_loops import flip_to_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.loops import relaxed
+from isoembed.meshing.metric_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
 from isoembed.meshing.spreading import Cells
 from isoembed.metric.curvature import deficits

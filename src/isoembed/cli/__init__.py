@@ -20,9 +20,10 @@ from typing import Any
 from isoembed import __version__
 from isoembed.cli import completion
 from isoembed.cli import help as help_
-from isoembed.cli.collection import uncollected
 from isoembed.cli.help import COMMANDS, FIRST_STEPS
 from isoembed.cli.screen import (
+    OK,
+    WRONG,
     OutputError,
     UsageError,
     nothing_printed,
@@ -31,7 +32,7 @@ from isoembed.cli.screen import (
     print_out,
 )
 from isoembed.cli.signals import Interruption, handled
-from isoembed.cli.status import OK, WRONG
+from isoembed.cli.startup import import_numpy_lazily, uncollected
 from isoembed.similar_names import did_you_mean
 from isoembed.threads import reserve_threads_of_process
 from isoembed.typed_numbers import MILLIMETERS, number
@@ -156,7 +157,10 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
         if name in arguments:
             module = _loaded(name)
+            from isoembed.cli.options import add_quiet_option  # loads numpy
+
             module.configure(command)
+            add_quiet_option(command)
             command.set_defaults(run=module.run)
             command.examples, command.usual = module.EXAMPLES, getattr(module, "USUAL", ())
             shown = "list all options" if command.usual else argparse.SUPPRESS  # --help lists all of few
@@ -175,9 +179,7 @@ def _loaded(name: str) -> ModuleType:
     limit = _address_space()
     if limit is not None and limit < ADDRESS_SPACE:
         raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
-    from isoembed.cli.lazy_numpy import import_lazily
-
-    import_lazily()
+    import_numpy_lazily()
     if limit is None:
         from isoembed.linalg.memory import keep_freed_memory
 
@@ -244,19 +246,18 @@ def _run(options: argparse.Namespace) -> int:
     from isoembed.io import FileError
 
     notes: list[str] = []
-    quiet = getattr(options, "quiet", False)
-    silent = quiet and not getattr(options, "json", False)
+    silent = options.quiet and not getattr(options, "json", False)
     try:
         with (
             _gathered(notes),
-            waiting(quiet=quiet) as options.waiting,
+            waiting(quiet=options.quiet) as options.waiting,
             nothing_printed() if silent else nullcontext(),
         ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error(f"{error} (note: {'; '.join(notes)})" if notes else str(error))
         return WRONG
-    for note in () if quiet else notes:
+    for note in () if options.quiet else notes:
         print_error(note, "note")
     return status
 

@@ -11,12 +11,20 @@ from types import MappingProxyType
 from typing import Any
 
 import isoembed
-from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option, add_verbose_option
+from isoembed.cli.options import add_json_option, add_output_option
 from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import bending, measure, summary
+from isoembed.cli.screen import (
+    NOT_EMBEDDED,
+    OK,
+    UsageError,
+    is_terminal,
+    print_aside,
+    print_error,
+    print_json,
+    print_out,
+)
+from isoembed.cli.summary import INTEGRALS, bending, measure, summary
 from isoembed.cli.waiting import suspended
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
@@ -25,7 +33,6 @@ from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
 from isoembed.sheets.surface import SheetEmbedding
 
-INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
 CERTIFIED = 10_000  # vertices: above, a certificate takes as long as the embedding
 
 
@@ -36,8 +43,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     add_picture_options(parser)
     parser.add_argument("--keep", action="store_true", help="write the best attempt even if it fails")
     add_json_option(parser, "print the report, as one JSON object, instead of text")
-    add_verbose_option(parser)
-    add_quiet_option(parser)
+    parser.add_argument("--verbose", action="store_true", help="also print measures and stages")
 
 
 def requested_outputs(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:
@@ -176,7 +182,7 @@ def solved(
 ) -> tuple[isoembed.Embedding, NotEmbedded | None]:
     """Embed with a live view; return the surface, or the best attempt and the failure."""
     try:
-        watched = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
+        watched = not options.quiet and is_terminal(sys.stderr)
         with suspended(options), bar() if watched else nullcontext() as view:
             return solve(listener_of(view, seen)), None
     except NotEmbedded as error:

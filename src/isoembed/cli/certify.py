@@ -7,12 +7,15 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_metric_argument,
+    add_surface_argument,
+)
 from isoembed.cli.same_triangles import metric_of
-from isoembed.cli.screen import UsageError, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.io import MESH_ENDINGS, read_surface
-from isoembed.io.registry import METRIC_ENDINGS
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_json, print_out
+from isoembed.io import read_surface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.boundary_heights import certify as certify_heights
 from isoembed.proof.certificate import Certificate, certify
@@ -25,15 +28,8 @@ EXAMPLES = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed certify``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
-    parser.add_argument(
-        "metric",
-        type=Path,
-        nargs="?",
-        metavar="METRIC",
-        help=f"the lengths, on the same triangles ({endings}; default: those of SURFACE)",
-    )
+    add_surface_argument(parser)
+    add_metric_argument(parser)
     parser.add_argument(
         "--boundary",
         metavar="plane|FILE",
@@ -41,7 +37,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -3,6 +3,7 @@
 import argparse
 from typing import get_args
 
+from isoembed.cli.options import given
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.kerr_surface import SURFACES, Slice, kerr_surface
@@ -66,7 +67,7 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     """
     if options.surface is None:
         raise UsageError(f"which --surface? There are {SURFACES}")
-    values = {name: value for name in OF_SPACETIME if (value := getattr(options, name)) is not None}
+    values = given(options, OF_SPACETIME)
     if "spin" in values:
         if len(values["spin"]) > 1:
             raise UsageError("--spin takes one number with a --spacetime, whose holes spin about z")

@@ -6,21 +6,25 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_metric_argument,
+    add_output_option,
+    add_surface_argument,
+)
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles, metric_of
-from isoembed.cli.screen import print_aside, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, print_aside, print_json, print_out
+from isoembed.cli.summary import ARRAYS, INTEGRALS
 from isoembed.embedding.comparison import Comparison, compare, stated
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
-    MESH_ENDINGS,
     SURFACE_ENDINGS,
     read_surface,
     write_atomically,
 )
 from isoembed.io.files import Writer, ending
-from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -30,15 +34,6 @@ from isoembed.surface.changes import root_mean_square
 
 NEEDED = "surfaces are compared on"
 HEADING = "differences between OTHER and SURFACE, in the unit of the lengths; signed values: OTHER - SURFACE"
-SHOWN = {
-    "vertices": "vertices",
-    "normals": "normals",
-    "dihedral_angles": "dihedral",
-    "mean_curvature": "H",
-    "area": "area",
-    "volume": "volume",
-    "integrated_mean_curvature": "int H dA",
-}
 
 EXAMPLES = (
     "isoembed compare by-aim.ply by-paper.ply metric.npz",
@@ -48,16 +43,9 @@ EXAMPLES = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed compare``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    add_surface_argument(parser)
     parser.add_argument("other", type=Path, metavar="OTHER", help="second surface, on the same triangles")
-    parser.add_argument(
-        "metric",
-        type=Path,
-        nargs="?",
-        metavar="METRIC",
-        help="prescribed lengths of both surfaces (default: those of SURFACE)",
-    )
+    add_metric_argument(parser)
     add_output_option(
         parser,
         f"{' '.join(SURFACE_ENDINGS)}: SURFACE with the differences at its vertices; "
@@ -65,7 +53,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -113,25 +100,20 @@ def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
 def _summary(first: Embedding, found: Comparison) -> str:
     apart, error = found.difference, found.error
     lines = [found.reason, "", HEADING]
-    for name, unit, place in (
-        ("vertices", "", "vertex"),
-        ("normals", " radians", "face"),
-        ("dihedral_angles", " radians", "edge"),
-        ("mean_curvature", "", "vertex"),
-    ):
+    for name, shown, place, unit in ARRAYS:
         values, errors = np.abs(getattr(apart, name)), getattr(error, name)
         worst = int(np.argmax(values))
         lines.append(
-            f"{SHOWN[name]:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
+            f"{shown:12}{stated(values[worst], errors.max())}{unit} at most (at {place} {worst}), "
             f"{root_mean_square(values):.3g} in root mean square"
         )
-    lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else stated(apart.area, error.area)}")
+    lines.append(f"{'area':12}{'equal' if found.certified else stated(apart.area, error.area)}")
     closed = first.triangulation.is_closed
     for name in ("volume", "integrated_mean_curvature") if closed else ("integrated_mean_curvature",):
         change, whole = getattr(apart, name), getattr(first, name)
         with_error = stated(change, getattr(error, name))
         share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""
-        lines.append(f"{SHOWN[name]:12}{with_error}{share}")
+        lines.append(f"{INTEGRALS[name]:12}{with_error}{share}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough} (fine_roughness)")
     if found.certified:

@@ -7,16 +7,19 @@ import numpy as np
 
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_output_option,
+    add_surface_argument,
+)
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import why_undetermined
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_json, print_out
+from isoembed.cli.summary import ARRAYS, INTEGRALS, why_undetermined
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity
-from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
+from isoembed.io import SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
-from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
@@ -36,8 +39,7 @@ EXAMPLES = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed deviation``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
+    add_surface_argument(parser)
     add_length_error_option(parser, required=True)
     parser.add_argument(
         "--bound",
@@ -59,7 +61,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -139,19 +140,11 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         f"{name:12}{getattr(surface, field):.17g} +- {more * getattr(found, field):.2g}"
         if isinstance(found, DeviationBound)
         else f"{name:12}{getattr(surface, field):.12g} +- {getattr(found, field):.2g}"
-        for name, field in (
-            ("area", "area"),
-            ("volume", "volume"),
-            ("int H dA", "integrated_mean_curvature"),
-        )
+        for field, name in INTEGRALS.items()
         if not np.isnan(getattr(found, field))  # a surface with boundary that is not a cap has no volume
     ]
-    for name, values, place, unit in (
-        ("vertices", found.vertices, "vertex", ""),
-        ("normals", found.normals, "face", " radians"),
-        ("dihedral", found.dihedral_angles, "edge", " radians"),
-        ("H", found.mean_curvature, "vertex", ""),
-    ):
+    for field, name, place, unit in ARRAYS:
+        values = getattr(found, field)
         worst = int(np.argmax(values))
         lines.append(
             f"{name:12}+- {more * root_mean_square(values):.2g}{unit}, "

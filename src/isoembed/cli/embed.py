@@ -16,7 +16,15 @@ from isoembed.cli.answer import add_output_options, answer, listener_of, request
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add_space_option, refuse_given
+from isoembed.cli.options import (
+    OF_RUNS,
+    add_merge_option,
+    add_run_options,
+    add_space_option,
+    converted,
+    given,
+    refuse_given,
+)
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
@@ -32,6 +40,13 @@ from isoembed.typed_numbers import number
 
 WHICH = ("convex", "smoothest")
 """Values of ``--which`` other than files."""
+OF_METHODS = {
+    "repair": ("alexandrov", "has no repair"),
+    "best_fit": ("aim", "has no best fit"),
+    "effort": ("aim", "does not search"),
+    "which": ("aim", "finds one surface"),
+}
+"""Options that are fields of one method, and what other methods are like."""
 
 EXAMPLES = (
     "isoembed embed metric.npz -o surface.ply",
@@ -214,17 +229,13 @@ def _near(options: argparse.Namespace) -> isoembed.Embedding | None:
 
 def _method(options: argparse.Namespace, near: isoembed.Embedding | None) -> isoembed.Method:
     """Method with its parameters, one of which may be the nearest surface."""
-    repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
     fields = parameters(method_class(name))
-    if repair and "repair" not in fields:
-        raise UsageError(f"--repair needs the method 'alexandrov': the method {name!r} has no repair")
-    if options.best_fit and "best_fit" not in fields:
-        raise UsageError(f"--best-fit needs the method 'aim': the method {name!r} has no best fit")
-    if options.effort is not None and "effort" not in fields:
-        raise UsageError(f"--effort needs the method 'aim': the method {name!r} does not search")
-    if options.which is not None and "which" not in fields:
-        raise UsageError(f"--which needs the method 'aim': the method {name!r} finds one surface")
+    for field, value in given(options, OF_METHODS).items():
+        if value is not False and field not in fields:
+            needed, why = OF_METHODS[field]
+            option = field.replace("_", "-")
+            raise UsageError(f"--{option} needs the method {needed!r}: the method {name!r} {why}")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     if options.boundary is not None or options.start is not None:
@@ -239,14 +250,14 @@ def _method(options: argparse.Namespace, near: isoembed.Embedding | None) -> iso
                 "lengths are exact, or with --tolerance of least squares through a curve"
             )
         return _sheet(options)
-    best_fit = ["best_fit=true"] if options.best_fit else []
-    effort = [] if options.effort is None else [f"effort={options.effort}"]
+    asked = {"repair": options.repair, "best_fit": options.best_fit or None, "effort": options.effort}
+    assignments = [f"{field}={value}" for field, value in asked.items() if value is not None]
     which: dict[str, str | Floats] = {}
     if options.which in WHICH:
         which["which"] = options.which
     elif near is not None:
         which["which"] = near.vertices
-    method = configured(name, options.parameter + repair + best_fit + effort, **which)
+    method = configured(name, options.parameter + assignments, **which)
     if options.length_error is not None and method.takes_boundary:
         raise UsageError(f"--length-error with the method {name!r} needs --boundary plane")
     return method
@@ -288,10 +299,7 @@ def _from_meshes(
 
 
 def _tolerance(text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    value = converted(text, number, "a number")
     if not (value > 0 and math.isfinite(value)):
         raise argparse.ArgumentTypeError(f"{text} is not a positive finite number")
     return value

@@ -21,7 +21,6 @@ from isoembed.cli.options import (
     add_marginal_options,
     add_merge_option,
     add_output_option,
-    add_quiet_option,
     add_reference_option,
     add_vertices_option,
     marginal,
@@ -31,9 +30,8 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.outputs import Outputs, print_written
 from isoembed.cli.pictures import add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
-from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_error, print_json, print_out
+from isoembed.cli.slices import OF_SLICE, add_slice_options, slice_label, slice_named
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer, write_atomically
 from isoembed.io.files import Writer, input_ending
@@ -135,12 +133,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z", "R"),
         help="the coordinate sphere with this center and radius, in a slice of spacetime",
     )
-    add_geometry_option(parser, "the slice of a --sphere")
-    add_slice_options(parser)
+    add_slice_options(parser, "the slice of a --sphere", mass_and_spin=False)
     add_reference_option(parser)
     add_vertices_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
     add_output_option(
         parser, f"file for the embedded surface, in the format of its extension: {' '.join(SURFACE_ENDINGS)}"
     )

@@ -11,8 +11,7 @@ from isoembed.alexandrov.solid import Solid
 from isoembed.cli.advice import command
 from isoembed.cli.answer import add_output_options, answer, requested_outputs
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import UsageError, print_aside
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, UsageError, print_aside
 from isoembed.cli.summary import summary
 from isoembed.gluing import embed_net
 from isoembed.gluing.solid import unknown_folding

@@ -9,7 +9,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
-    add_quiet_option,
     add_report_options,
     add_vertices_option,
     marginal,
@@ -18,17 +17,23 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import Outputs, check_folder, print_written, stems
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
+from isoembed.cli.screen import (
+    NOT_EMBEDDED,
+    OK,
+    WRONG,
+    UsageError,
+    print_aside,
+    print_error,
+    print_json,
+    print_out,
+)
 from isoembed.cli.slices import (
     OF_SLICE,
-    add_geometry_option,
-    add_hole_options,
     add_slice_options,
     slice_label,
     slice_named,
     slice_stem,
 )
-from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
 from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.io import FileError, mesh_writer, report_writer
 from isoembed.io.files import AmbiguousFileError, check_target, input_ending, write_atomically
@@ -90,9 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="with --find: report the first N eigenvalues of the stability operator, complex in general",
     )
-    add_geometry_option(parser, "3-metric of the slice, missing from most horizon files")
-    add_hole_options(parser)
-    add_slice_options(parser)
+    add_slice_options(parser, "3-metric of the slice, missing from most horizon files")
     add_report_options(parser)
     add_marginal_options(
         parser, "of each file", "by default its expansion decides, and a metric without k is not one"
@@ -106,7 +109,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_vertices_option(parser)
     add_json_option(parser, "print JSON: an object, or a list of them")
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -2,9 +2,8 @@
 
 import argparse
 
-from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
-from isoembed.cli.screen import print_json, print_out
-from isoembed.cli.status import OK
+from isoembed.cli.options import add_json_option, add_merge_option
+from isoembed.cli.screen import OK, print_json, print_out
 from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.metric.inspection import inspect
 
@@ -24,7 +23,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from isoembed.cli.screen import print_error
-from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
+from isoembed.cli.screen import NOT_EMBEDDED, OK, WRONG, is_terminal, print_error
 from isoembed.cli.waiting import suspended
 from isoembed.io import FileError
 from isoembed.runs import Outcome, Result, Shard, Store, Task, Wish, Workers, run
@@ -151,7 +150,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Executor]:
 @contextmanager
 def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
     """Live progress line on a terminal, with the estimated remaining time."""
-    if quiet or sys.stderr is None or not sys.stderr.isatty():
+    if quiet or not is_terminal(sys.stderr):
         yield lambda: None
         return
     from rich.console import Console

@@ -4,6 +4,7 @@ import argparse
 from dataclasses import fields
 from typing import Any, get_args
 
+from isoembed.cli.options import converted
 from isoembed.papercraft.material import Bends, Joints, Material, Surface
 from isoembed.typed_numbers import millimeters
 
@@ -58,12 +59,7 @@ def on_paper(text: str) -> float:
     ArgumentTypeError
         The text is not a length.
     """
-    try:
-        return millimeters(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a length such as 15, 15mm, 1.5cm or 0.6in"
-        ) from None
+    return converted(text, millimeters, "a length such as 15, 15mm, 1.5cm or 0.6in")
 
 
 def material_of(options: argparse.Namespace) -> Material | None:

@@ -2,10 +2,9 @@
 
 import argparse
 
-from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
+from isoembed.cli.options import add_json_option, add_output_option
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_error, print_json, print_out
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
 from isoembed.io import SURFACE_ENDINGS, check_output, surface_writer, write_atomically
@@ -34,7 +33,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "solid.obj writes solid-1.obj, solid-2.obj, ...",
     )
     add_json_option(parser, "print one JSON object, with a list of the solids, instead of text")
-    add_quiet_option(parser)
 
 
 def _name(text: str) -> str:

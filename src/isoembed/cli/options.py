@@ -2,15 +2,20 @@
 
 import argparse
 import re
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from isoembed.cli.screen import UsageError
+from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
 from isoembed.typed_numbers import number
 
-DEFAULT, FEWEST = 1000, 12  # vertices
+T = TypeVar("T")
+DEFAULT = 1000  # vertices
+READABLE = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
+"""Endings of files with vertices and triangles."""
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
 
 
@@ -38,6 +43,22 @@ def add_output_option(
     )
 
 
+def add_surface_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the file of a surface."""
+    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({READABLE})")
+
+
+def add_metric_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the file of the lengths of a surface, which are those of its mesh by default."""
+    parser.add_argument(
+        "metric",
+        type=Path,
+        nargs="?",
+        metavar="METRIC",
+        help=f"the lengths, on the same triangles ({READABLE}; default: those of SURFACE)",
+    )
+
+
 def add_json_option(
     parser: argparse.ArgumentParser, purpose: str = "print one JSON object instead of text"
 ) -> None:
@@ -59,13 +80,22 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _merge(text: str) -> float:
+def converted(text: str, by: Callable[[str], T], wanted: str) -> T:
+    """Value of an argument, for types of options.
+
+    Raises
+    ------
+    ArgumentTypeError
+        The conversion raises ValueError; the message says what is wanted.
+    """
     try:
-        value = number(text)
+        return by(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a number (put files before --merge, not after it)"
-        ) from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not {wanted}") from None
+
+
+def _merge(text: str) -> float:
+    value = converted(text, number, "a number (put files before --merge, not after it)")
     if not 0 <= value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a number of mean edge lengths in [0, 1)")
     return value
@@ -87,10 +117,7 @@ def _space(text: str) -> Space | str:
         raise argparse.ArgumentTypeError(f"{text!r} is not hyperbolic[=K] or spherical[=K]")
     if not equals:
         return name
-    try:
-        space = Space(float(curvature))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
+    space = converted(curvature, lambda k: Space(float(k)), "a finite number")
     if space.name != name:
         sign = "negative" if name == "hyperbolic" else "positive"
         meant = f": {name}={-space.curvature:g}" if space.curvature else ""
@@ -100,14 +127,9 @@ def _space(text: str) -> Space | str:
     return space
 
 
-def add_quiet_option(parser: argparse.ArgumentParser) -> None:
+def add_quiet_option(parser: argparse.ArgumentParser, **default: Any) -> None:
     """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
-
-
-def add_verbose_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option for detailed output."""
-    parser.add_argument("--verbose", action="store_true", help="also print measures and stages")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors", **default)
 
 
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
@@ -193,8 +215,10 @@ def vertices(options: argparse.Namespace) -> int:
     UsageError
         The number is too small.
     """
-    if options.vertices is not None and options.vertices < FEWEST:
-        raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
+    from isoembed.meshing.surface_mesh import MIN_VERTICES  # needed for smooth surfaces only
+
+    if options.vertices is not None and options.vertices < MIN_VERTICES:
+        raise UsageError(f"--vertices must be at least {MIN_VERTICES}, not {options.vertices}")
     return DEFAULT if options.vertices is None else int(options.vertices)
 
 
@@ -225,6 +249,11 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     again.add_argument("--force", action="store_true", help="redo all items, including those with results")
 
 
+def given(options: argparse.Namespace, names: Collection[str]) -> dict[str, Any]:
+    """Values of options by name, without those that are not given."""
+    return {name: value for name in names if (value := getattr(options, name)) is not None}
+
+
 def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
     """Raise an error if any of the given options, which are incompatible with others, is present.
 
@@ -233,18 +262,14 @@ def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) 
     UsageError
         The message names the first such option.
     """
-    for name in names:
-        value = getattr(options, name)
-        if value is not None and value is not False:
+    for name, value in given(options, names).items():
+        if value is not False:
             named = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
             raise UsageError(f"{named} {why}")
 
 
 def _count(text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+    value = converted(text, int, "a whole number")
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is less than 1")
     return value

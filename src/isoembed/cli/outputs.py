@@ -9,11 +9,10 @@ from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 
-from isoembed.cli.screen import UsageError, print_aside
+from isoembed.cli.screen import UsageError, is_terminal, print_aside
 from isoembed.io import SURFACE_ENDINGS, FileError, check_output, write_atomically
 from isoembed.io.files import Writer, ending
-
-SHOWN = 5  # file names listed in a message
+from isoembed.reprs import listed
 
 
 class Outputs(dict[str, Path]):
@@ -33,16 +32,13 @@ class Outputs(dict[str, Path]):
             check_output(path, endings[name])
         return found
 
-    def keep_apart(self) -> None:
-        """Raise an error if two options name the same file.
-
-        Raises
-        ------
-        UsageError
-        """
+    def keep_apart(self, *inputs: Path) -> None:
+        """Raise UsageError if two options name the same file, or one of the inputs."""
         for (name, path), (other, same) in combinations(self.items(), 2):
             if path.resolve() == same.resolve():
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
+        for path in self.values():
+            _check_inputs(path, inputs)
 
     def write(self, **writers: Callable[[Path], Writer]) -> list[Path]:
         """Write the requested files sequentially, each atomically; return those written.
@@ -70,12 +66,7 @@ class Outputs(dict[str, Path]):
 
 
 def check_folder(path: Path) -> None:
-    """Raise an error if an output folder is a file, or has the name of a surface.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Raise UsageError if an output folder is a file, or has the name of a surface."""
     if path.exists() and not path.is_dir():
         raise UsageError(f"the output {path} is not a folder")
     if not path.exists() and ending(path) in SURFACE_ENDINGS:
@@ -88,13 +79,12 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
     """Last line of a command: the written files, if any, and the elapsed time."""
     if not files:
         return elapsed(options)
-    more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
-    return f"{', '.join([*map(str, files[:SHOWN]), *more])} written, {elapsed(options)}"
+    return f"{listed(list(map(str, files)))} written, {elapsed(options)}"
 
 
 def print_written(options: argparse.Namespace, *files: Path) -> None:
     """Print the last line of a command; without files only on a terminal, so that pipes are reproducible."""
-    if files or (sys.stdout is not None and sys.stdout.isatty()):
+    if files or is_terminal(sys.stdout):
         print_aside(written(options, *files))
 
 
@@ -104,13 +94,12 @@ def elapsed(options: argparse.Namespace) -> str:
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
-    """Check before a computation that its result can be written, and is not an input.
-
-    Raises
-    ------
-    FileError, UsageError
-    """
+    """Raise FileError or UsageError if the result of a computation cannot be written, or is an input."""
     check_output(path, endings)
+    _check_inputs(path, inputs)
+
+
+def _check_inputs(path: Path, inputs: Collection[Path]) -> None:
     if path.resolve() in {each.resolve() for each in inputs}:
         raise UsageError(f"the output is the input {path}")
 

@@ -62,14 +62,9 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def color_of(options: argparse.Namespace) -> str | None:
-    """Name of the quantity selected for the colors, if any."""
-    return COLORS[options.color] if options.color else None
-
-
 def shown(options: argparse.Namespace, embedding: Embedding, given: Mapping[str, Quantity]) -> str | Quantity:
     """Quantity shown by the colors of a picture; given quantities replace those of the surface."""
-    name = color_of(options) or usual(embedding)
+    name = COLORS[options.color] if options.color else usual(embedding)
     return given.get(name, name)
 
 

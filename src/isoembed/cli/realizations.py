@@ -7,15 +7,19 @@ import numpy as np
 
 from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import (
+    add_json_option,
+    add_merge_option,
+    add_metric_argument,
+    add_output_option,
+    add_surface_argument,
+)
 from isoembed.cli.outputs import check_folder, print_written
 from isoembed.cli.same_triangles import metric_of
-from isoembed.cli.screen import UsageError, print_json, print_out
-from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_json, print_out
 from isoembed.embedding.certify import certify
 from isoembed.embedding.embedding import Embedding
-from isoembed.io import MESH_ENDINGS, read_surface, write_atomically
-from isoembed.io.registry import METRIC_ENDINGS
+from isoembed.io import read_surface, write_atomically
 from isoembed.io.surface import surface_writer
 
 EXAMPLES = (
@@ -32,15 +36,8 @@ LEGEND = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed realizations``."""
-    endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
-    parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
-    parser.add_argument(
-        "metric",
-        type=Path,
-        nargs="?",
-        metavar="METRIC",
-        help=f"the lengths, on the same triangles ({endings}; default: those of SURFACE)",
-    )
+    add_surface_argument(parser)
+    add_metric_argument(parser)
     parser.add_argument(
         "--distance",
         type=float,
@@ -70,7 +67,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -39,7 +39,7 @@ def metric_of(
 def check_same_triangles(
     metric: PolyhedralMetric, own: PolyhedralMetric, path: Path, surface: Path, why: str
 ) -> None:
-    """Raise an error if a metric and a surface differ in triangles or curvature of space.
+    """Raise UsageError if a metric and a surface differ in triangles or curvature of space.
 
     Parameters
     ----------
@@ -48,10 +48,6 @@ def check_same_triangles(
     path, surface : Path
     why : str
         Operation that requires the same triangles, for messages.
-
-    Raises
-    ------
-    UsageError
     """
     if own.space.curvature != metric.space.curvature:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Console output: answers on standard output, one-line errors on standard error."""
+"""Exit statuses, answers on standard output, and one-line errors on standard error."""
 
 import os
 import sys
@@ -7,6 +7,9 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, TextIO
 
 from isoembed.cli.advice import in_options
+
+OK, WRONG, NOT_EMBEDDED = 0, 2, 3
+"""Exit statuses."""
 
 
 class UsageError(ValueError):
@@ -69,6 +72,11 @@ def print_error(message: str, kind: str = "error") -> None:
         line = " ".join(filter(None, map(str.strip, lines)))
         with suppress(OSError):  # standard error may be closed
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
+
+
+def is_terminal(stream: TextIO | None) -> bool:
+    """Whether a standard stream is open and a terminal."""
+    return stream is not None and stream.isatty()
 
 
 def occupy_closed_streams() -> None:

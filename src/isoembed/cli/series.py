@@ -17,7 +17,6 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
-    add_quiet_option,
     add_report_options,
     add_run_options,
     add_vertices_option,
@@ -27,16 +26,13 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import check_folder, elapsed
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
+from isoembed.cli.screen import WRONG, UsageError, print_aside, print_error, print_json
 from isoembed.cli.slices import (
     CLOSED_FORMS,
     OF_SLICE,
-    add_geometry_option,
-    add_hole_options,
     add_slice_options,
     slice_named,
 )
-from isoembed.cli.status import WRONG
 from isoembed.errors import InvalidParameter
 from isoembed.io import FileError, write_atomically
 from isoembed.plot.picture import figure_writer
@@ -55,7 +51,6 @@ if TYPE_CHECKING:
 
 TABLE = "table.csv"
 FILMS = ("horizons.mp4", "horizons.gif", "horizons.html")
-PERIOD = 20.0  # seconds between updates of the table
 OF_HORIZONS = (
     "geometry",
     *OF_SLICE,
@@ -87,14 +82,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         ".npz, VTK, tables of metrics (.csv .txt .dat); or folders, or a simulation of the Einstein "
         "Toolkit; without files, the table and pictures are remade from the results in --output",
     )
-    add_geometry_option(
+    add_slice_options(
         parser,
         "slices that contain the horizons, unless these have metrics of their own: a pattern of "
         "files, 'slices/{iteration}.h5' or with {time}; a folder; a file with many times; or one for "
         "all",
     )
-    add_hole_options(parser)
-    add_slice_options(parser)
     add_report_options(parser)
     add_marginal_options(parser, "of each surface", "by default its expansion decides")
     parser.add_argument("--surface", metavar="NAME", help="which surface of SpECTRE files, if not all")
@@ -110,7 +103,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--film", action="store_true", help="also make a film, and a page for the browser with a slider"
     )
     add_json_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -186,7 +178,7 @@ class _GrowingTable:
 
     def __call__(self, result: Result) -> None:
         self._results.append(replace(result, arrays={}))  # meshes would take too much memory
-        if time.monotonic() > self._written + PERIOD:
+        if time.monotonic() > self._written + 20.0:  # seconds between updates of the table
             write_table(self._path, self._results)
             self._written = time.monotonic()
 

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from isoembed.cli.status import INTERRUPTED
-
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SAME = 2.0  # seconds: signals within this time of the first count as one, as timeout(1) sends two
 
@@ -25,7 +23,7 @@ class Interruption:
     """
 
     def __init__(self) -> None:
-        self.status = INTERRUPTED
+        self.status = 128 + signal.SIGINT
         self._came = -math.inf
 
     def __call__(self, number: int, frame: FrameType | None) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from isoembed.cli.options import converted, given
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
@@ -77,33 +78,35 @@ CLOSED_FORMS = {
 }
 
 
-def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
-    """Add the option for a slice."""
+def add_slice_options(parser: argparse.ArgumentParser, purpose: str, *, mass_and_spin: bool = True) -> None:
+    """Add the option for a slice, and those of closed forms.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    purpose : str
+        Purpose of the slice.
+    mass_and_spin : bool
+        Whether to add mass and spin, too, which spacetimes have in common with slices.
+    """
     parser.add_argument(
         "--geometry",
         metavar="GEOMETRY",
         help=f"{purpose}: a file (.h5 .hdf5 .npz) with gxx ... gzz, and kxx ... kzz, on a Cartesian grid; "
         f"a file of GRChombo or AthenaK, or a plot file of AMReX; or one of {', '.join(CLOSED_FORMS)}",
     )
-
-
-def add_hole_options(parser: argparse.ArgumentParser) -> None:
-    """Add mass and spin of a closed form with one hole."""
-    parser.add_argument(
-        "--mass", type=float, metavar="M", help="mass of the closed-form geometry (default 1)"
-    )
-    parser.add_argument(
-        "--spin",
-        type=_number,
-        nargs="+",
-        metavar="A",
-        help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector AX AY AZ "
-        "(default 0)",
-    )
-
-
-def add_slice_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of closed forms besides mass and spin."""
+    if mass_and_spin:
+        parser.add_argument(
+            "--mass", type=float, metavar="M", help="mass of the closed-form geometry (default 1)"
+        )
+        parser.add_argument(
+            "--spin",
+            type=_number,
+            nargs="+",
+            metavar="A",
+            help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector "
+            "AX AY AZ (default 0)",
+        )
     coordinates = ("X", "Y", "Z")
     parser.add_argument(
         "--center", type=float, nargs=3, metavar=coordinates, help="center of the single hole (default 0 0 0)"
@@ -167,7 +170,7 @@ def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
 
 def slice_label(name: str, options: argparse.Namespace) -> str:
     """Description of a slice for reports: its name and the given options."""
-    values = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
+    values = given(options, OF_SLICE)
     words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in values.items())
     return ", ".join([name, *words])
 
@@ -179,7 +182,7 @@ def slice_stem(name: str) -> str:
 
 def _values_of(options: argparse.Namespace) -> dict[str, Any]:
     """Parameters of a slice by option name; several vectors as a list."""
-    values = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
+    values = given(options, OF_SLICE)
     for name in values.keys() & {"positions", "velocities"}:
         values[name] = _triples(name, values[name])
     if (spin := values.get("spin")) is not None:
@@ -196,12 +199,7 @@ def _triples(name: str, flat: list[float]) -> list[list[float]]:
 
 
 def _number(text: str) -> float:
-    try:
-        return number(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a number (files come before the options)"
-        ) from None
+    return converted(text, number, "a number (files come before the options)")
 
 
 def _listed(options: Sequence[str]) -> str:

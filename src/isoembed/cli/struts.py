@@ -5,11 +5,16 @@ import math
 import re
 from pathlib import Path
 
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import Outputs, check_answer, print_written, written
-from isoembed.cli.screen import print_aside, print_error, print_json, print_out
-from isoembed.cli.status import OK
-from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface
+from isoembed.cli.options import (
+    READABLE,
+    add_json_option,
+    add_merge_option,
+    add_output_option,
+    converted,
+)
+from isoembed.cli.outputs import Outputs, print_written, written
+from isoembed.cli.screen import OK, print_aside, print_error, print_json, print_out
+from isoembed.io import read_surface
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.struts import STRUT_ENDINGS, strut_table
 from isoembed.struts.saving import struts_writer
@@ -20,9 +25,6 @@ EXAMPLES = (
     "isoembed struts dome.obj --hub-radius 20 --stock 6000",
 )
 
-MANY_TYPES = 20
-"""Number of types above which a larger tolerance is recommended, if most struts have their own type."""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed struts``."""
@@ -30,8 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), closed or with a "
-        "boundary",
+        help=f"a surface with vertices ({READABLE}), closed or with a boundary",
     )
     parser.add_argument(
         "--tolerance",
@@ -66,15 +67,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"a picture with struts colored by type: {' '.join(PICTURE_ENDINGS)}",
     )
     add_json_option(parser, "print the table as one JSON object instead of text")
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Tabulate the struts; return the exit status."""
     outputs = Outputs.of(options, output=STRUT_ENDINGS, picture=PICTURE_ENDINGS)
-    outputs.keep_apart()
-    for path in outputs.values():
-        check_answer(path, (*STRUT_ENDINGS, *PICTURE_ENDINGS), options.file)
+    outputs.keep_apart(options.file)
     if options.picture:
         from isoembed.plot.picture import check_drawable
 
@@ -83,7 +81,8 @@ def run(options: argparse.Namespace) -> int:
     table = strut_table(
         surface, tolerance=options.tolerance, hub_radius=options.hub_radius, stock=options.stock
     )
-    if len(table.struts) > MANY_TYPES and 2 * len(table.struts) > len(table.edges) and not options.quiet:
+    # Types for most struts, and too many to build: a larger tolerance is recommended.
+    if len(table.struts) > 20 and 2 * len(table.struts) > len(table.edges) and not options.quiet:
         print_error(
             f"{len(table.struts)} types of {len(table.edges)} struts: --tolerance LENGTH groups "
             "lengths that differ by at most LENGTH",
@@ -106,11 +105,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _length(text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        unit = ": lengths are in the unit of the file" if re.fullmatch(rf"[\d.,]+\s*{UNIT}", text) else ""
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number{unit}") from None
+    unit = ": lengths are in the unit of the file" if re.fullmatch(rf"[\d.,]+\s*{UNIT}", text) else ""
+    value = converted(text, number, f"a number{unit}")
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not a non-negative length")
     return value

@@ -7,8 +7,15 @@ from typing import Any
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 
-UNDETERMINED = 3
-"""Digits of a number whose standard deviation is not determined."""
+INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
+"""Integrals of a surface, and their names in text."""
+ARRAYS = (
+    ("vertices", "vertices", "vertex", ""),
+    ("normals", "normals", "face", " radians"),
+    ("dihedral_angles", "dihedral", "edge", " radians"),
+    ("mean_curvature", "H", "vertex", ""),
+)
+"""Changes of a surface: attribute, name in text, element that has one, and unit."""
 
 
 def why_undetermined(nonlinearity: float | None) -> str:
@@ -106,7 +113,7 @@ def measure(report: Mapping[str, Any], name: str) -> str:
         return _number(value)
     sigma = report["deviation"][name]
     if sigma is None:
-        known = _number(value) if value is None else f"{value:.{UNDETERMINED}g}"
+        known = _number(value) if value is None else f"{value:.3g}"
         return f"{known} +- not determined: {why_undetermined(report['deviation']['volume_nonlinearity'])}"
     if value is None:
         return f"{_number(value)} +- {sigma:.2g}"

@@ -6,8 +6,7 @@ from typing import Any, get_args, get_type_hints
 
 from isoembed.cli.options import add_output_option, add_quiet_option
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import UsageError, print_aside, print_out
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, UsageError, print_aside, print_out
 from isoembed.gallery import SURFACES, Surface, ZoneSurface, triangulate
 from isoembed.io import (
     METRIC_ENDINGS,
@@ -52,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             f"{' '.join(name for name in SURFACE_ENDINGS if name not in METRIC_ENDINGS)}: the mesh",
             required=True,
         )
-        add_quiet_option(options)
+        add_quiet_option(options, default=argparse.SUPPRESS)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -5,10 +5,9 @@ import argparse
 import numpy as np
 
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
-from isoembed.cli.options import add_output_option, add_quiet_option, refuse_given
+from isoembed.cli.options import add_output_option, refuse_given
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import UsageError, print_aside
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, UsageError, print_aside
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.meshing.spreading import WHOLE, Zone
 from isoembed.relativity.horizons.grid_file import read_metric_grid
@@ -74,7 +73,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         f"{' '.join(METRIC_ENDINGS)}: faces, edges, lengths, and the directions (V, 3) of the vertices",
         required=True,
     )
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,24 +8,22 @@ from typing import get_args
 import numpy as np
 
 from isoembed.cli.material import add_material_options, given_fields, material_of, on_paper
-from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import UsageError, print_aside, print_error
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, UsageError, print_aside, print_error
 from isoembed.gluing import unfold
 from isoembed.gluing.sheet_search import Objective
-from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
+from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.paper import FORMATS, Paper
 from isoembed.papercraft.sheets import drawing_writer
+from isoembed.reprs import counted
 from isoembed.typed_numbers import millimeters, number
 
 DRAWING = ("paper", "scale", "size", "numbers")
-MANY_FOLDS = 300  # takes hours to fold
-LEAST = 5.0  # mm, smallest size of a solid for folding
 EXAMPLES = (
     "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
     "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
@@ -45,8 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), as 'isoembed embed' "
-        "writes it",
+        help=f"a surface with vertices ({READABLE}), as 'isoembed embed' writes it",
     )
     add_output_option(
         parser,
@@ -99,7 +96,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         )
     add_material_options(parser)
     add_merge_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -128,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         unfolding = unfold(surface, **chosen, objective=options.objective or "sheets")
     folds = sum(map(len, unfolding.folds))
-    if folds > MANY_FOLDS and not options.quiet:
+    if folds > 300 and not options.quiet:  # takes hours to fold
         print_error(
             f"{folds:,} folds: simplify the mesh first, to the number of faces that you want to fold", "note"
         )
@@ -149,13 +145,13 @@ def run(options: argparse.Namespace) -> int:
             )
         sizes = " x ".join(f"{float(f'{size:.3g}'):g}" for size in pages.scale * extents)
         text += f"{is_open}; solid {sizes} mm, {pages.scale:.4g} mm a unit"
-        if pages.scale * extents.max() < LEAST and not options.quiet:
+        if pages.scale * extents.max() < 5.0 and not options.quiet:  # mm, too small to fold
             print_error(f"the solid is {sizes} mm large: is the scale right?", "note")
         paper, net_pages = Paper.of(options.paper or "A4"), pages.pages - bool(options.numbers)
         if paper.is_roll:
             text += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
         else:
-            text += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
+            text += f"; {counted(net_pages, 'page')} of {paper.name}"
         if options.numbers:
             text += " and a drawing of the solid"
     write_atomically({output: writer})

@@ -6,16 +6,14 @@ import webbrowser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.pictures import add_color_option, shown
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import UsageError, print_aside, print_out
-from isoembed.cli.status import OK
+from isoembed.cli.screen import OK, UsageError, print_aside, print_out
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import write_atomically
 from isoembed.io.files import ending
-from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.io.surface import read_with_curvatures
 from isoembed.plot import PICTURE_ENDINGS, animation_writer, frames_of, picture_writer
 from isoembed.plot.coloring import EMPTY, Quantity, from_file
@@ -36,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); length errors refer "
+        help=f"a surface with vertices ({READABLE}); length errors refer "
         "to the lengths in the file, if any, and colors show its mean_curvature or gaussian_curvature "
         "at the vertices, if present; several surfaces on the same triangles are a series: a page has "
         "a slider, and a film moves from each to the next",
@@ -49,7 +47,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_color_option(parser)
     add_merge_option(parser)
-    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

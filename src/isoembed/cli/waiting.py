@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import Any, TextIO
 
+from isoembed.cli.screen import is_terminal
+
 PATIENCE, PERIOD = 2.0, 0.5  # seconds before the first display, and between updates
 ERASED = "\r\x1b[2K"
 
@@ -91,13 +93,13 @@ def suspended(options: argparse.Namespace) -> AbstractContextManager[None]:
 def waiting(*, quiet: bool) -> Iterator[Waiting | None]:
     """Show the status line during the block, if there is a terminal."""
     out, err = sys.stdout, sys.stderr
-    if quiet or err is None or not err.isatty():
+    if quiet or not is_terminal(err):
         yield None
         return
     line = Waiting(err)
     threading.Thread(target=line.run, daemon=True).start()
     sys.stderr = _Above(err, line)
-    if out is not None and out.isatty():
+    if is_terminal(out):
         sys.stdout = _Above(out, line)
     try:
         yield line

@@ -478,14 +478,19 @@ class Embedding:
         """Derivatives with respect to given lengths (`jvp`, `vjp`); None if they are the triangles' own."""
         return None
 
-    def _sentence(self) -> str:
-        """Sentence on the residual, possible crumpling, and other realizations."""
-        e, surface = int(np.argmax(self.residuals)), self.surface
-        sentence = (
+    @property
+    def _on_residual(self) -> str:
+        """Clause on the largest residual."""
+        e = int(np.argmax(self.residuals))
+        return (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, "
             f"at edge {e} {self.metric.edges[e].tolist()}"
         )
+
+    def _sentence(self) -> str:
+        """Sentence on the residual, possible crumpling, and other realizations."""
+        sentence, surface = self._on_residual, self.surface
         inverted = int(surface.inverted_vertices.sum())
         partially = int(surface.partially_inverted_vertices.sum())
         if (inverted or partially) and surface.rough_edges.any():

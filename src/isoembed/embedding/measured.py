@@ -15,6 +15,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision, rounded_unit, rounding_error
+from isoembed.reprs import listed
 from isoembed.surface.deviation import largest_vertex_error, vertex_error
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.flat_faces import coplanar_faces
@@ -29,18 +30,10 @@ SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most."""
-NAMED = 8
-"""Edges named at most as those that may be wrong instead."""
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
-POWER = 0.84
-"""Normal quantile of 80 %, with which probability the smallest detectable error is found."""
-FOLLOWED = 0.05
-"""Chi-square over the number of edges below which the fit follows the lengths: it does not test errors."""
 SCATTERED = 2.0
 """Ratio of the scatter of the lengths to their errors above which a smooth surface has larger ones."""
-MEASURABLE = 0.005
-"""Scatter, in mean edge lengths, above which a body is rough or has a sharp rim: errors are less."""
 MARGIN = 1.1
 """Factor by which a residual that stands out exceeds its limits: of 87 bodies with right lengths none did."""
 
@@ -197,8 +190,7 @@ class MeasuredSurface(Embedding):
         """
         off = self._standardized
         large = [e for e in np.argsort(-off, kind="stable").tolist() if off[e] > self._outlier_limit]
-        left_out = [] if self.predicted is None else [e for e in large if np.isfinite(self.predicted[e])]
-        return left_out[:SUSPECTS] or large[:1]
+        return list(filter(self._is_left_out, large))[:SUSPECTS] or large[:1]
 
     @property
     def _others_agree(self) -> bool:
@@ -213,17 +205,18 @@ class MeasuredSurface(Embedding):
         It is not doubted if fits have not left it out: then its residual is due to smoothing.
         """
         e = standing_out(self._standardized) if self.weight else None
-        return e if e is None or self.predicted is None or np.isfinite(self.predicted[e]) else None
+        return e if e is None or self.predicted is None or self._is_left_out(e) else None
 
     @property
     def _follows(self) -> bool:
         """Whether the surface follows the lengths so closely that it does not test their errors."""
-        return self.chi_square < FOLLOWED * len(self.residuals)
+        return self.chi_square < 0.05 * len(self.residuals)
 
     @property
     def _understates(self) -> bool:
         """Whether the errors are much less than the scatter of the lengths, and nothing tests them."""
-        larger = SCATTERED * self._root_mean_square < self.scatter < MEASURABLE
+        # Of more than 1 / 200 of an edge, the body is rough or has a sharp rim: errors are less.
+        larger = SCATTERED * self._root_mean_square < self.scatter < 0.005
         return self._follows and larger
 
     @property
@@ -266,11 +259,10 @@ class MeasuredSurface(Embedding):
         """Clause on edges that may be wrong in the place of those named; empty if there are none."""
         if self.alike is None or not self.alike.size:
             return ""
-        named, more = self.alike[:NAMED].tolist(), len(self.alike) - NAMED
+        others = listed([self._name(e) for e in self.alike.tolist()], most=8)
         return (
             f"; the lengths do not tell {'it' if len(suspects) == 1 else 'them'} from "
-            f"{', '.join(map(self._name, named))}"
-            f"{f' and {more} more' if more > 0 else ''}, an error of which explains them as well"
+            f"{others}, an error of which explains them as well"
         )
 
     def _advice(self, *, in_percent: bool = False) -> str:
@@ -375,7 +367,8 @@ class MeasuredSurface(Embedding):
         if not self.redundancy:
             return None
         error = self._root_mean_square * self.metric.mean_length
-        return (OUTLIER + POWER) * error / math.sqrt(self.redundancy)
+        # The normal quantile of 80 % is .84.
+        return (OUTLIER + 0.84) * error / math.sqrt(self.redundancy)
 
     @property
     def _reported(self) -> Mapping[str, Any]:

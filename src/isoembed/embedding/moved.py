@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,15 @@ OF_SENSITIVITY = {
     "vjp",
 }
 
+FUNCTIONS = {
+    "report": "isoembed.report(embedding)",
+    "certificate": "isoembed.certify(embedding)",
+    "comparison": "isoembed.compare(embedding, other)",
+    "to_trimesh": "isoembed.io.to_trimesh(embedding)",
+    "to_pyvista": "isoembed.io.to_pyvista(embedding)",
+}
+"""Functions of an embedding, by the names of old properties and methods."""
+
 
 def moved(embedding: Embedding, name: str) -> Any:
     """Value of a deprecated attribute, with a `DeprecationWarning`.
@@ -59,7 +69,7 @@ def moved(embedding: Embedding, name: str) -> Any:
     elif name in OF_SENSITIVITY:
         place = f"isoembed.Sensitivity(embedding).{name}"
     elif name in FUNCTIONS:
-        place = FUNCTIONS[name][0]
+        place = FUNCTIONS[name]
     else:
         raise AttributeError(
             f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name, obj=embedding
@@ -75,41 +85,17 @@ def moved(embedding: Embedding, name: str) -> Any:
         from isoembed.embedding.sensitivity import Sensitivity
 
         return getattr(Sensitivity(embedding), name)
-    return FUNCTIONS[name][1](embedding)
-
-
-def _report(embedding: Embedding) -> Any:
-    from isoembed.embedding.report import report
-
-    return report(embedding)
-
-
-def _certificate(embedding: Embedding) -> Any:
-    return embedding._certificate
-
-
-def _comparison(embedding: Embedding) -> Callable[[Embedding], Any]:
+    if name == "certificate":
+        return embedding._certificate
     from isoembed.embedding.comparison import compare
+    from isoembed.embedding.report import report
+    from isoembed.io.objects import to_pyvista, to_trimesh
 
-    return lambda other: compare(embedding, other)
-
-
-def _to_trimesh(embedding: Embedding) -> Callable[[], Any]:
-    from isoembed.io.objects import to_trimesh
-
-    return lambda: to_trimesh(embedding)
-
-
-def _to_pyvista(embedding: Embedding) -> Callable[[], Any]:
-    from isoembed.io.objects import to_pyvista
-
-    return lambda: to_pyvista(embedding)
-
-
-FUNCTIONS: dict[str, tuple[str, Callable[[Embedding], Any]]] = {
-    "report": ("isoembed.report(embedding)", _report),
-    "certificate": ("isoembed.certify(embedding)", _certificate),
-    "comparison": ("isoembed.compare(embedding, other)", _comparison),
-    "to_trimesh": ("isoembed.io.to_trimesh(embedding)", _to_trimesh),
-    "to_pyvista": ("isoembed.io.to_pyvista(embedding)", _to_pyvista),
-}
+    if name == "report":
+        return report(embedding)
+    methods: dict[str, Callable[..., Any]] = {
+        "comparison": compare,
+        "to_trimesh": to_trimesh,
+        "to_pyvista": to_pyvista,
+    }
+    return partial(methods[name], embedding)

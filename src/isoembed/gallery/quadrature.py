@@ -6,8 +6,6 @@ import numpy as np
 
 from isoembed.arrays import Floats
 
-COARSEST = 48  # nodes of the first rule
-
 
 def tanh_sinh(n: int) -> tuple[Floats, Floats]:
     """Nodes and weights (n,) on [0, pi/2].
@@ -33,7 +31,8 @@ def integrate(integrand: Callable[[int], Floats]) -> Floats:
     integrand
         Maps a number of nodes to a vector of integrals.
     """
-    n, value = COARSEST, integrand(COARSEST)
+    n = 48  # nodes of the first rule
+    value = integrand(n)
     while n < 768:  # limit of nodes; the last value is returned without convergence
         n, last = 2 * n, value
         value = integrand(n)

@@ -11,8 +11,6 @@ from isoembed.arrays import Floats
 from isoembed.gallery.surface import ClosedForm, option, positive
 from isoembed.meshing.sphere import angles_of
 
-NEAREST = 1e-6  # smallest sin(theta) at which derivatives with respect to phi are evaluated near a pole
-
 
 class ZoneSurface(ClosedForm):
     """The image of a zone of the unit sphere, known in closed form: a disk, a band, or a torus.
@@ -62,7 +60,8 @@ class ZoneSurface(ClosedForm):
     def _derivatives(self, u: Floats) -> tuple[Floats, Floats]:
         """Derivatives (n, 3) along the unit vectors e_theta and e_phi."""
         theta, phi = angles_of(u)
-        theta = np.clip(theta, NEAREST, np.pi - NEAREST)
+        near = 1e-6  # to a pole, where derivatives with respect to phi vanish
+        theta = np.clip(theta, near, np.pi - near)
         _, by_theta, by_phi = self._polar(theta, phi)
         return by_theta, by_phi / np.sin(theta)[:, None]
 

@@ -41,14 +41,6 @@ def latin_cross() -> list[tuple[str, Net]]:
     ]
 
 
-def folded_triangle(a: float, b: float, c: float) -> Net:
-    """Triangle with each side folded at its midpoint: a tetrahedron with congruent faces of half its size.
-
-    The faces are similar to the triangle if it is acute; if it is right, they coincide in pairs.
-    """
-    return glue([triangle(a, b, c)], [((0, k), (0, k)) for k in range(3)])
-
-
 def rolled_rectangle(width: float, height: float, twist: float) -> Net:
     """Rectangle rolled to a cylinder, with ends folded shut, one twisted relative to the other.
 
@@ -64,11 +56,16 @@ def rolled_rectangle(width: float, height: float, twist: float) -> Net:
 
 
 def tetramonohedra() -> list[tuple[str, Net]]:
-    """Tetrahedra with congruent faces, from triangles and rectangles."""
+    """Tetrahedra with congruent faces, from triangles and rectangles.
+
+    The sides of a triangle are folded at their midpoints.  The faces are similar to the triangle if it is
+    acute, of half its size; if it is right, they coincide in pairs.
+    """
     triangles = [(1.0, 1.0, 1.0), (4.0, 5.0, 6.0), (3.0, 4.0, 5.0), (4.0, 5.0, 8.0)]
+    folds = [((0, k), (0, k)) for k in range(3)]
     rectangles = [(2.0, 1.0, 0.0), (2.0, 1.0, 0.5), (2.0, 1.3, 0.3), (2.0, 3.0, 0.05)]
     return [
-        *((f"triangle {a:g} {b:g} {c:g}, folded", folded_triangle(a, b, c)) for a, b, c in triangles),
+        *((f"triangle {a:g} {b:g} {c:g}, folded", glue([triangle(a, b, c)], folds)) for a, b, c in triangles),
         *((f"rectangle {w:g} x {h:g}, twist {s:g}", rolled_rectangle(w, h, s)) for w, h, s in rectangles),
     ]
 

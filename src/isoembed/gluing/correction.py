@@ -14,10 +14,9 @@ from scipy.sparse.linalg import lsqr
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.outline_points import cut_outlines, glued_points
-from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.polygon import Polygon, following, interior_angles
 from isoembed.gluing.runs import Run, cut, slack
-from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance
+from isoembed.gluing.tolerance import ROUNDING, Tolerance
 
 Term = tuple[int, int, float]
 """Polygon, side, and signed fraction of the side's length in a sum."""
@@ -95,13 +94,12 @@ def corrected(
         return list(sheets), None
     size = max(float(np.ptp(sheet.corners, axis=0).max()) for sheet in sheets)
     first = np.cumsum([0, *(sheet.n for sheet in sheets)])
-    after = np.arange(1, first[-1] + 1)
-    after[first[1:] - 1] = first[:-1]
+    after = following(first)
     start = np.concatenate([sheet.corners for sheet in sheets]) / size
     sides = _Sides.of(_equations(runs, tolerance), first, after)
     differences = np.abs(sides.values(start)) * size
     largest = float(differences.max(initial=0.0))
-    rounded = GLUING.rounding * sum(sheet.perimeter for sheet in sheets)
+    rounded = ROUNDING * sum(sheet.perimeter for sheet in sheets)
     if largest <= rounded and not tolerance.units.any():
         return list(sheets), None
     errors = tolerance.errors(largest) / size
@@ -290,8 +288,7 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
 
 def _angles(points: Floats, before: Indices, corners: Indices, after: Indices) -> Floats:
     """Interior angles in radians."""
-    (x, y), (u, v) = ((points[end] - points[corners]).T for end in (after, before))
-    return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
+    return interior_angles(points[after] - points[corners], points[before] - points[corners])
 
 
 def _turned(vectors: Floats) -> Floats:

@@ -2,28 +2,15 @@
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.gluing.polygon import consecutive
 from isoembed.mesh.merging import representatives
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CreaseThresholds:
-    """Thresholds of folded crease patterns."""
-
-    meets: float = threshold(
-        1e-4,
-        "size of the sheet",
-        "Largest distance of coincident corners, and length difference of equal sides.",
-    )
-
-
-CREASES = CreaseThresholds()
+MEETS = 1e-4  # sizes of the sheet: largest distance of coincident corners
 
 Side = tuple[int, int]
 
@@ -61,14 +48,14 @@ def meeting_corners(
 
 def meeting_tolerance(points: Floats) -> float:
     """Distance in space within which corners of a folded sheet are identified."""
-    return CREASES.meets * (float(np.ptp(points, axis=0).max()) or 1.0)
+    return MEETS * (float(np.ptp(points, axis=0).max()) or 1.0)
 
 
 def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, int]]]:
     """Faces at each side (smaller, larger vertex), with its endpoints in the order around the face."""
     owners: dict[Side, list[tuple[int, int, int]]] = {}
     for f, face in enumerate(faces):
-        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+        for a, b in consecutive(face):
             owners.setdefault((min(a, b), max(a, b)), []).append((f, a, b))
     return owners
 
@@ -116,7 +103,7 @@ def fold_up(
         while waiting:
             f = waiting.popleft()
             turn, shift = turns[f]
-            for a, b in zip(faces[f], [*faces[f][1:], faces[f][0]], strict=True):
+            for a, b in consecutive(faces[f]):
                 side = min(a, b), max(a, b)
                 for g, *_ in owners[side]:
                     if g == f:
@@ -175,7 +162,7 @@ def put_together(
             for here, (_, points) in zip(placed, own, strict=True)
         ]
         k = int(np.argmax(widths))
-        if widths[k] < CREASES.meets:
+        if widths[k] < MEETS:
             return None
         here, (vertices, points) = placed[k], own.pop(k)
         center, target = points[here].mean(axis=0), found[vertices[here]].mean(axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.gluing.polygon import meeting_sides
+from isoembed.gluing.polygon import following, meeting_sides
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
@@ -38,11 +38,14 @@ class Faces(NamedTuple):
     angles: Floats
 
     @property
+    def following(self) -> Indices:
+        """Next side around the face of each side, shape (S,)."""
+        return following(self.first)
+
+    @property
     def ends(self) -> Indices:
         """End vertex of each side, shape (S,)."""
-        after = np.arange(1, len(self.corners) + 1)
-        after[self.first[1:] - 1] = self.first[:-1]
-        return self.corners[after]
+        return self.corners[self.following]
 
 
 def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.0) -> Faces:

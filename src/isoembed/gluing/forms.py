@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.net import Net, glue
-from isoembed.gluing.outlines import Curve, Ellipse, Stadium, check_count, inscribed
+from isoembed.gluing.outlines import Curve, Ellipse, Stadium, check_count, check_fraction, inscribed
 from isoembed.gluing.polygon import Polygon, is_number, points_of_the_plane
 from isoembed.space.models import Model
 
@@ -98,10 +98,9 @@ def dform(first: Outline, second: Outline, offset: float = 0.0, n: int = 100) ->
 
 def _polygon(outline: Outline, name: str, part: float, n: int) -> tuple[Floats, float]:
     """Outline as a polygon, and the position at the given fraction of the perimeter."""
-    if not is_number(part) or not 0 <= part < 1:
-        raise InvalidParameter(f"{name} is {part!r}, not a fraction of the perimeter in [0, 1)")
+    check_fraction(name, part)
     if isinstance(outline, Ellipse | Stadium):
-        check_count("n", n)
+        check_count(n)
         return inscribed(outline, int(n), float(part)), 0.0
     corners = points_of_the_plane(outline, "the outline")
     polygon = Polygon.of(corners, 0)

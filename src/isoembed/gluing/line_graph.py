@@ -11,10 +11,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.drawn_lines import CUT, FOLD, Line
-from isoembed.gluing.polygon import signed_area
+from isoembed.gluing.polygon import Side, consecutive, signed_area
 from isoembed.mesh.merging import representatives
-
-Side = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +95,7 @@ class LineGraph:
                 step = following[step]
             (faces if signed_area(points[face]) > 0 else outer).append(face)
         _check_apart(points, faces, outer)
-        place = {
-            (a, face[(k + 1) % len(face)]): (f, k) for f, face in enumerate(faces) for k, a in enumerate(face)
-        }
+        place = {ends: (f, k) for f, face in enumerate(faces) for k, ends in enumerate(consecutive(face))}
         on = {side: edges[min(ends), max(ends)] for ends, side in place.items()}
         twins = {
             side: place[b, a] for (a, b), side in place.items() if (b, a) in place and on[side].purpose != CUT

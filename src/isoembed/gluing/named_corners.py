@@ -7,11 +7,9 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon
-from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance, UnequalLengths
+from isoembed.gluing.polygon import Polygon, Side
+from isoembed.gluing.tolerance import ROUNDING, Tolerance, UnequalLengths
 
-Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
 
 
@@ -77,7 +75,7 @@ def sides_of(
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
         allowed, difference = tolerance.between(p, q, (ours, theirs)), max(difference, abs(ours - theirs))
-        rounding = GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter)
+        rounding = ROUNDING * (sheets[p].perimeter + sheets[q].perimeter)
         if not wrong and abs(ours - theirs) > allowed + rounding:
             wrong = (
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
@@ -125,12 +123,7 @@ def faced_alike(
 
 
 def check_together(corners: Names, vertices: Sequence[Indices]) -> None:
-    """Raise an error if corners with the same name became different vertices.
-
-    Raises
-    ------
-    InvalidMetric
-    """
+    """Raise InvalidMetric if corners with the same name became different vertices."""
     first: dict[Hashable, tuple[int, int]] = {}
     for p, (names, own) in enumerate(zip(corners, vertices, strict=True)):
         for name, vertex in zip(names, own.tolist(), strict=True):

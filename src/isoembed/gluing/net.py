@@ -16,8 +16,7 @@ from isoembed.gluing.named_corners import check_together, faced_alike, read_name
 from isoembed.gluing.outline_points import cut_outlines, glued_points
 from isoembed.gluing.polygon import Polygon, distances, shape_of, side_lengths
 from isoembed.gluing.runs import Run, read_sides
-from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance, UnequalLengths
+from isoembed.gluing.tolerance import SAME_LENGTH, Tolerance, UnequalLengths
 from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
@@ -280,7 +279,7 @@ def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance, 
     changed, correction = corrected(sheets, runs, tolerance, any_surface)
     if correction is None:
         return Net(sheets, runs, any_surface=any_surface)
-    if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
+    if correction.largest > SAME_LENGTH * max(sheet.perimeter for sheet in sheets):
         warn_of_mesh(str(correction))
     exact = read_sides(sides, changed, Tolerance.exact(len(changed)), any_surface)
     return Net(changed, exact, correction, tolerance.precision(correction.difference), any_surface)

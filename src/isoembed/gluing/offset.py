@@ -8,7 +8,6 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import meeting_sides
 
 REMEDY = "takes more sheets, another choice of cuts, a larger scale or a smaller offset"
-FLAT = 1e-9  # radians; sides at a smaller angle are collinear
 
 
 def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf) -> Floats:
@@ -57,7 +56,7 @@ def moved_sides(
     for k in range(n):
         (d, e), (u, v), (a, b) = ((some[k - 1], some[k]) for some in (moved, out, along))
         turn = float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))
-        if abs(turn) <= FLAT:
+        if abs(turn) <= 1e-9:  # the sides are collinear
             found = [d * u] if d == e else [d * u, e * v]
         else:
             corner = (e * a - d * b) / np.sin(turn)

@@ -7,7 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.gluing.polygon import Polygon
+from isoembed.gluing.polygon import Polygon, following
 from isoembed.gluing.runs import Run, cut
 from isoembed.gluing.tolerance import Tolerance
 from isoembed.mesh.components import components
@@ -58,8 +58,7 @@ def glued_points(first: Indices, mates: Indices, corners: Indices, any_surface: 
             f"the polygons make {parts} surfaces, not one: "
             f"polygon {int(np.argmax(part != part[0]))} is not connected to polygon 0"
         )
-    ends = np.arange(1, n + 1)
-    ends[first[1:] - 1] = first[:-1]
+    ends = following(first)
     glued = np.flatnonzero(mates != np.arange(n))
     classes = components(glued, ends[mates[glued]], n)
     count = int(classes.max()) + 1

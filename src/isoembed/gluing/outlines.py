@@ -12,7 +12,6 @@ from scipy.special import ellipeinc
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import is_number, side_lengths
-from isoembed.gluing.thresholds import GLUING
 from isoembed.space import Space
 from isoembed.space.trigonometry import angle_between, apex
 
@@ -130,7 +129,7 @@ def regular_polygon(n: int, side: float = 1.0, *, curvature: float = 0.0) -> Flo
         `n` is not an integer of at least 3, or the side is not positive and finite, or too long for the
         sphere.
     """
-    check_count("n", n)
+    check_count(n)
     _check_positive("regular polygon", side=side)
     space = Space(curvature)
     if space.curvature > 0 and not n * side < 2 * math.pi * space.radius:
@@ -246,20 +245,26 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
     """
     u = curve.parameter(part) + np.arange(n + 1) / n
     aim = np.arange(n + 1) / n
-    for _ in range(GLUING.spacings):
+    for _ in range(1000):  # each gains a digit or more
         points = curve.points(u[:-1])
         steps = side_lengths(points)
-        if np.ptp(steps) <= GLUING.equal_sides * steps.sum():
+        if np.ptp(steps) <= 1e-14 * steps.sum():  # up to rounding
             return points
         reached = np.concatenate([[0.0], np.cumsum(steps)])
         u = np.interp(aim, reached / reached[-1], u)
     raise InvalidParameter(f"{n} sides are too few for {curve!r}")
 
 
-def check_count(name: str, value: int) -> None:
-    """Raise `InvalidParameter` unless a value is a valid number of sides of a polygon."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 3:
-        raise InvalidParameter(f"{name} is {value!r}, not a whole number of sides, at least 3")
+def check_count(n: int) -> None:
+    """Raise `InvalidParameter` unless n is a valid number of sides of a polygon."""
+    if isinstance(n, bool) or not isinstance(n, numbers.Integral) or n < 3:
+        raise InvalidParameter(f"n is {n!r}, not a whole number of sides, at least 3")
+
+
+def check_fraction(name: str, value: float) -> None:
+    """Raise `InvalidParameter` unless a value is a fraction of the perimeter."""
+    if not is_number(value) or not 0 <= value < 1:
+        raise InvalidParameter(f"{name} is {value!r}, not a fraction of the perimeter in [0, 1)")
 
 
 def _check_positive(shape: str, **values: float) -> None:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import numbers
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.loops import meeting
 from isoembed.mesh.triangulation import frozen
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model, to_model
+
+Side = tuple[int, int]
+"""Polygon and side, which runs from the corner of the same number to the next one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +123,9 @@ class Polygon:
     @property
     def angles(self) -> Floats:
         """Interior angle at each corner, radians, shape (n,)."""
-        (x, y), (u, v) = (
-            self.space.seen_from(self.corners, np.roll(self.corners, k, axis=0)).T for k in (-1, 1)
+        return interior_angles(
+            *(self.space.seen_from(self.corners, np.roll(self.corners, k, axis=0)) for k in (-1, 1))
         )
-        return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 
     def arc(self, position: float) -> float:
         """Arc length from corner 0 to a position in [0, n)."""
@@ -160,6 +163,25 @@ def _checked(corners: Floats, space: Space, index: int, description: str) -> Flo
     return shape
 
 
+def consecutive(ring: Sequence[int] | Indices) -> list[tuple[int, int]]:
+    """Pairs of neighbors around a ring of corners, each with the next one."""
+    corners = [int(corner) for corner in ring]
+    return list(zip(corners, corners[1:] + corners[:1], strict=True))
+
+
+def following(first: Indices) -> Indices:
+    """Index of the next point around each of several rings, which are concatenated.
+
+    Parameters
+    ----------
+    first : ndarray of int, shape (n + 1,)
+        Index of the first point of each ring, followed by the number of points.
+    """
+    after = np.arange(1, first[-1] + 1)
+    after[first[1:] - 1] = first[:-1]
+    return after
+
+
 def points_of_the_plane(coordinates: ArrayLike, name: str) -> Floats:
     """Points (n, 2), checked.
 
@@ -185,6 +207,17 @@ def points_of_the_plane(coordinates: ArrayLike, name: str) -> Floats:
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number other than a Boolean."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def segments(points: Floats) -> Floats:
+    """Ends of the sides of a closed polygon, shape (n, 2, 2)."""
+    return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
+
+
+def interior_angles(forth: Floats, back: Floats) -> Floats:
+    """Angles in [0, 2 pi) at corners, from vectors (n, 2) to the next and to the previous one."""
+    (x, y), (u, v) = forth.T, back.T
+    return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 
 
 def signed_area(corners: Floats) -> float:

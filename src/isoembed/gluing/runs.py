@@ -10,8 +10,7 @@ import numpy as np
 
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.polygon import Polygon, is_number
-from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance, UnequalLengths
+from isoembed.gluing.tolerance import ROUNDING, SAME_LENGTH, Tolerance, UnequalLengths
 
 
 @dataclass(frozen=True)
@@ -159,14 +158,14 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
         a, b = float(k), float(k) + 1
         name = f"side {int(k)} of polygon {int(p)}"
     else:
-        a, b = (_snapped(float(x), polygon, GLUING.same_length * polygon.perimeter) for x in entry[1:])
+        a, b = (_snapped(float(x), polygon, SAME_LENGTH * polygon.perimeter) for x in entry[1:])
         n = polygon.n
         if not (0 <= a <= n and 0 <= b <= 2 * n and b - a <= n):
             raise InvalidParameter(
                 f"sides[{i}] glues {_shown(entry)}, but a run around polygon {int(p)} starts between "
                 f"0 and {n} and is at most {n} long"
             )
-        if abs(b - a) <= GLUING.same_length and entry[1] != entry[2]:
+        if abs(b - a) <= SAME_LENGTH and entry[1] != entry[2]:
             raise InvalidParameter(f"sides[{i}] glues {_shown(entry)}, which has no length")
         name = f"polygon {int(p)} from {entry[1]:.12g} to {entry[2]:.12g}"
     if polygon.turned:
@@ -183,7 +182,7 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
     for p, positions in ends.items():
         last = -1.0
         for position in sorted(positions):
-            if position - last > GLUING.same_length:
+            if position - last > SAME_LENGTH:
                 last = position
             same[p, position] = last
 
@@ -195,7 +194,7 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 
 def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
     def allowed(one: Run, other: Run) -> float:
-        return slack(one, other, tolerance) + GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
+        return slack(one, other, tolerance) + ROUNDING * (one.sheet.perimeter + other.sheet.perimeter)
 
     differences = [abs(one.length - other.length) for one, other in runs]
     wrong = [i for i, pair in enumerate(runs) if differences[i] > allowed(*pair)]
@@ -244,7 +243,7 @@ def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
 
 def _folded(run: Run, tolerance: Tolerance) -> tuple[Run, Run]:
     """Halves of a run."""
-    off = max(slack(run, run, tolerance) / 2, GLUING.same_length * run.sheet.perimeter)
+    off = max(slack(run, run, tolerance) / 2, SAME_LENGTH * run.sheet.perimeter)
     middle = _snapped(run.at(0.5), run.sheet, off) % run.sheet.n
     return replace(run, stop=middle), replace(run, start=middle)
 

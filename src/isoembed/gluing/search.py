@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.gluing.polygon import Polygon
-from isoembed.gluing.thresholds import GLUING
 from isoembed.gluing.tolerance import Tolerance
 from isoembed.space import Space
 from isoembed.space.models import Model
@@ -65,7 +64,8 @@ def edge_gluings(
     sheet = Polygon.of(polygon, 0, Space(curvature), model)
     allowed = Tolerance.of([sheet], tolerance)
     n, lengths, angles = sheet.n, sheet.sides, sheet.angles
-    max_angle = 2 * np.pi + GLUING.full_angle + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
+    rounding = 1e-9  # radians, of the sum of angles at a vertex
+    max_angle = 2 * np.pi + rounding + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
     # By range of sides i .. j - 1: its gluings, and the angles glued between its two ends.
     parts: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
     for size in range(2, n + 1, 2):

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 
 from isoembed.arrays import Indices
-
-Side = tuple[int, int]
+from isoembed.gluing.polygon import Side, consecutive
 
 
 def glued_faces(
@@ -27,9 +26,8 @@ def glued_faces(
     f = 0
     for p, own in enumerate(faces):
         for face in own:
-            around = [int(corner) for corner in face]
-            for k, corner in enumerate(around):
-                place[p, corner, around[(k + 1) % len(around)]] = f, k
+            for k, (a, b) in enumerate(consecutive(face)):
+                place[p, a, b] = f, k
             f += 1
 
     def moved(side: Side) -> Side:

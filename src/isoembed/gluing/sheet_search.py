@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -12,29 +11,13 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.edge_choice import forest
 from isoembed.gluing.faces import Faces
 from isoembed.gluing.loops import joined
-from isoembed.thresholds import threshold
 
 Objective = Literal["sheets", "length", "strips", "faces"]
 Sheets = tuple[Floats, Indices, Indices]
 """Joined sheets, as returned by `joined`."""
 
 
-@dataclass(frozen=True)
-class UnfoldingThresholds:
-    """Thresholds of the search for nets without overlaps."""
-
-    directions: int = threshold(50, "count", "Directions tried to unfold a surface into one sheet.")
-    exchanges: int = threshold(450, "count", "Attempts to improve the best net.")
-    sharp: float = threshold(
-        1e-3, "radians", "Edges with smaller fold angles are cut only if no others can be."
-    )
-    digits: int = threshold(
-        3, "digits", "Coordinates with fewer digits are exact, and so are their fold angles."
-    )
-    seed: int = threshold(0, "seed", "Seed of the random directions and attempts.")
-
-
-UNFOLDING = UnfoldingThresholds()
+EXCHANGES = 450  # attempts to improve the best net
 
 
 def found_sheets(
@@ -75,7 +58,7 @@ def found_sheets(
     _check_kept(faces, edges, limits, "join do not fit in the rectangle")
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]
-    rng = np.random.default_rng(UNFOLDING.seed)
+    rng = np.random.default_rng(0)
     free = ~is_cut
     free[edges] = False
 
@@ -102,8 +85,8 @@ def found_sheets(
     bound = float(len(faces.first) - 1 - len(tree))
     if objective == "length":
         bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)
-    last = UNFOLDING.directions  # attempt that starts with sides ordered by length
-    for k in range(last + 1 if one_start else 1, last + 1 + UNFOLDING.exchanges):
+    last = 50  # directions; this attempt starts with sides ordered by length
+    for k in range(last + 1 if one_start else 1, last + 1 + EXCHANGES):
         if lowest <= bound:
             break
         exchange = k > last
@@ -135,7 +118,7 @@ def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: st
 def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
     """Sides ordered by preference for joining the faces across them."""
     slopes = directions @ (up / np.linalg.norm(up))
-    sharp = np.abs(faces.angles) > UNFOLDING.sharp
+    sharp = np.abs(faces.angles) > 1e-3  # radians; smaller ones are cut only if no others can be
     faceted = np.bincount(faces.corners, sharp) > 0
     boundary = np.zeros(len(faceted), dtype=np.bool_)
     boundary[faces.corners[faces.twins == np.arange(len(slopes))]] = True

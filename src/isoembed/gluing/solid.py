@@ -13,14 +13,12 @@ from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import never
 from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.stages import Listener, Log
+from isoembed.reprs import listed
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
-
-MOST_SAID = 5
-"""Positions listed in a message."""
 
 
 def embed_net(
@@ -82,7 +80,7 @@ def _places(net: Net, v: int) -> str:
     """Points of the sheets that are glued to a vertex, as text."""
     points = np.concatenate(net.polygons)[np.concatenate(net.outlines) == v]
     places = list(dict.fromkeys(f"[{', '.join(f'{x:.6g}' for x in point)}]" for point in points))
-    return ", ".join(places[:MOST_SAID]) + f" and {len(places) - MOST_SAID} more" * (len(places) > MOST_SAID)
+    return listed(places)
 
 
 def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,9 +10,11 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.gluing.polygon import Polygon
-from isoembed.gluing.thresholds import GLUING
+from isoembed.gluing.polygon import Polygon, is_number
 from isoembed.metric.precision import PRECISION, Precision, last_digits
+
+SAME_LENGTH = 1e-9  # relative difference of equal lengths, unless the digits of the coordinates imply another
+ROUNDING = 1e-15  # error of a length on two outlines, however short, in perimeters
 
 
 class UnequalLengths(InvalidMetric):
@@ -51,9 +52,7 @@ class Tolerance:
         InvalidParameter
             The given tolerance is not a nonnegative length, or the polygons are not planar.
         """
-        if length is not None and (
-            isinstance(length, bool) or not isinstance(length, numbers.Real) or not 0 <= length < math.inf
-        ):
+        if length is not None and (not is_number(length) or not 0 <= length < math.inf):
             raise InvalidParameter(f"the tolerance is {length!r}, not a non-negative length")
         if not sheets[0].space.is_euclidean:  # coordinates are not lengths
             if length is not None:
@@ -84,7 +83,7 @@ class Tolerance:
 
     def between(self, p: int, q: int, lengths: tuple[float, float], sides: int = 2) -> float:
         """Tolerance for two lengths on polygons p and q, consisting of a total number of sides."""
-        minimum = GLUING.same_length * max(lengths)
+        minimum = SAME_LENGTH * max(lengths)
         if self.prescribed is not None:
             return max(minimum, self.prescribed)
         # Rounded or truncated, the coordinates of two endpoints have a relative error of at most a unit; over
@@ -112,7 +111,7 @@ class Tolerance:
             return "as given"
         if self.digits:
             return f"from the corners, with {self.digits}"
-        return f"{GLUING.same_length:g} of the length, by default"
+        return f"{SAME_LENGTH:g} of the length, by default"
 
 
 def _rounding(values: Floats, fewest: int) -> tuple[str, Floats] | None:

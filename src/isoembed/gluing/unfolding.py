@@ -16,9 +16,10 @@ from isoembed.gluing.edge_choice import Edges, chosen_sides
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.net import Net, glue_rounded
 from isoembed.gluing.sheet_faces import glued_faces
-from isoembed.gluing.sheet_search import UNFOLDING, Objective, found_sheets
+from isoembed.gluing.sheet_search import Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
+from isoembed.reprs import counted
 
 if TYPE_CHECKING:
     from isoembed.papercraft.material import Material
@@ -70,12 +71,8 @@ class Unfolding:
         return f"Unfolding({self})"
 
     def __str__(self) -> str:
-        folds = sum(map(len, self.folds))
-        sheets, creased = (
-            f"{count} {name}{'' if count == 1 else 's'}"
-            for count, name in ((len(self.sheets), "sheet"), (folds, "fold"))
-        )
-        return f"{sheets}, {len(self.sides)} pairs of sides, {creased}"
+        sheets, folds = counted(len(self.sheets), "sheet"), counted(sum(map(len, self.folds)), "fold")
+        return f"{sheets}, {len(self.sides)} pairs of sides, {folds}"
 
     @cached_property
     def fold_corners(self) -> tuple[Indices, ...]:
@@ -206,7 +203,8 @@ def unfold(
     unit = surface.metric.unit
     vertices = surface.vertices / unit
     mean_length = surface.metric.mean_length
-    precision = surface.metric.precision or Precision.of(surface.vertices, mean_length, UNFOLDING.digits)
+    # Coordinates with fewer than three digits are exact, and so are their fold angles.
+    precision = surface.metric.precision or Precision.of(surface.vertices, mean_length, 3)
     error = 0.0 if precision is None else precision.vertex_error * mean_length / unit
     faces = true_faces(surface.triangulation, vertices, error)
     steps = vertices[faces.ends] - vertices[faces.corners]
@@ -245,10 +243,8 @@ def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> U
         outlines.append(outline)
     twins = faces.twins.tolist()
     sides = tuple((place[s], place[twins[s]]) for s in place if place[s] < place[twins[s]])
-    number = np.arange(len(after))
-    ends = np.roll(number, -1)
-    ends[faces.first[1:] - 1] = faces.first[:-1]
-    inside = (after < 0) & (number < faces.twins) & (faces.angles != 0)
+    ends = faces.following
+    inside = (after < 0) & (np.arange(len(after)) < faces.twins) & (faces.angles != 0)
     folds = [np.flatnonzero(inside & (sheets == sheet)) for sheet in every]
     owners = sheets[faces.first[:-1]]
     numbers = [np.flatnonzero(owners == sheet) for sheet in every]

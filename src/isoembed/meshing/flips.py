@@ -22,7 +22,10 @@ def twin_halfedges(faces: Indices) -> Indices:
 
 def corner_angles(vertices: Floats, faces: Indices) -> Floats:
     """Angles (F, 3) at the corners, in radians."""
-    return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
+    corners = vertices[faces]
+    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, -2, axis=1) - corners
+    normals = np.cross(a, b)
+    return np.asarray(np.arctan2(np.sqrt((normals * normals).sum(axis=2)), (a * b).sum(axis=2)))
 
 
 def flip_to_delaunay(
@@ -99,11 +102,3 @@ def flip_where_touched(
 def _opposite(angles: Floats, h: Indices) -> Floats:
     """Angles opposite to half-edges."""
     return angles[h // 3, (h + 2) % 3]
-
-
-def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
-    """Sines and cosines of the corner angles, each (F, 3), times the lengths of both sides."""
-    corners = vertices[faces]
-    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, -2, axis=1) - corners
-    normals = np.cross(a, b)
-    return np.sqrt((normals * normals).sum(axis=2)), (a * b).sum(axis=2)

@@ -5,7 +5,6 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 
 OVERRELAXATION = 1.5  # of Lloyd steps, which converge slowly; with 1.8 they do not converge
-LONGEST_STEP = 0.5  # over the shortest edge at the vertex
 RINGS = 2  # edges between a bad triangle and vertices that move
 
 
@@ -56,5 +55,5 @@ def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Float
     step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
     shortest = np.full(len(vertices), np.inf)
     np.minimum.at(shortest, faces, np.sqrt(np.minimum(np.roll(l2, -1, axis=1), np.roll(l2, -2, axis=1))))
-    bound = LONGEST_STEP * shortest
+    bound = 0.5 * shortest
     return step * (bound / np.maximum(bound, np.linalg.norm(step, axis=1)))[:, None]

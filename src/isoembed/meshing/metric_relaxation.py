@@ -11,7 +11,6 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay_loops import flip_to_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.lloyd import OVERRELAXATION, RINGS
 from isoembed.meshing.loops import relaxed
 from isoembed.meshing.sphere import hull_faces
@@ -19,7 +18,6 @@ from isoembed.meshing.spreading import Cells
 
 OPTIMAL_SWEEPS = 10  # sweeps toward optimal Delaunay meshes, before centroidal ones
 MAX_GEODESICS = 50.0  # measured per edge: more than needed for smooth metrics
-LEG = 1e4  # length of the legs of cones over the longest edge
 FLIP_ROUNDS = 5  # alternating flips and measurements, which may reverse flips
 
 
@@ -136,10 +134,10 @@ class MetricMesh:
             self._measure_roughly(q)
 
     def _measure_roughly(self, q: Floats) -> None:
-        """Measure all edges by tensors (V, 3, 3) at the vertices, and set long legs of cones."""
+        """Measure all edges by tensors (V, 3, 3) at the vertices, and set the legs of cones much longer."""
         end_lengths(self.u, q, self.tables)
         legs = self._legs
-        self.tables.lengths[legs] = LEG * self.tables.lengths[~legs].max()
+        self.tables.lengths[legs] = 1e4 * self.tables.lengths[~legs].max()
 
     @property
     def _legs(self) -> Mask:
@@ -189,3 +187,31 @@ class MetricMesh:
         wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
         factor = 1.0 if optimal else OVERRELAXATION
         self.u = relaxed(self.u, self.tables.views, wanted, moving, optimal, factor)
+
+
+def angles_from_lengths(lengths: Floats) -> Floats:
+    """Angles (F, 3) in radians, 0 and pi if the lengths form no triangle: `angle_between` for arrays."""
+    sides = lengths.reshape(-1, 3)
+    third, s = np.roll(sides, 1, axis=1), np.roll(sides, -1, axis=1)
+    a, b = np.maximum(sides, third), np.minimum(sides, third)
+    mu = np.where(b >= s, s - (a - b), b - (a - s))
+    sine, cosine = (a - b + s) * mu, (a + (b + s)) * np.maximum(a - s + b, 0.0)
+    return np.asarray(2 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(cosine)))
+
+
+def end_lengths(u: Floats, q: Floats, mesh: HalfEdges) -> None:
+    """Measure all half-edges by the mean of the metric tensors q (V, 3, 3) at their ends, in place.
+
+    The lengths are second-order accurate, and exact on round spheres.
+    """
+    corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
+    lower = np.flatnonzero(np.arange(twins.size) < twins)
+    upper = twins[lower]
+    i, j = corners[lower], corners[upper]
+    chords = u[j] - u[i]
+    half = 0.5 * np.sqrt((chords**2).sum(axis=1))
+    squares = 0.5 * np.einsum("ha,hab,hb->h", chords, q[i] + q[j], chords)
+    # The tangential component of the chord is the sine of the arc.
+    with np.errstate(divide="ignore", invalid="ignore"):  # coincident or antipodal vertices
+        lengths[lower] = np.sqrt(squares) * np.arcsin(half) / (half * np.sqrt(1.0 - half**2))
+    lengths[upper] = lengths[lower]

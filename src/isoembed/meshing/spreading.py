@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, chunks
 from isoembed.meshing.sphere import directions_at
 
 Zone = tuple[float, float]
@@ -49,8 +49,7 @@ class Cells:
     ) -> Cells:
         """Sample a function, which takes unit vectors (k, 3) and returns (k,)."""
         u, values = cell_centers(shape, axis, zone), np.empty(shape)
-        for begin in range(0, len(u), CHUNK):
-            part = slice(begin, begin + CHUNK)
+        for part in chunks(len(u), CHUNK):
             values.reshape(-1)[part] = function(u[part])
         return cls(values, axis, zone)
 
@@ -86,8 +85,7 @@ class Cells:
         row = self._row(theta)
         low = np.minimum(row.astype(np.int64), m - 2)
         phi = np.empty(len(square))
-        for begin in range(0, len(square), CHUNK):
-            part = slice(begin, begin + CHUNK)
+        for part in chunks(len(square), CHUNK):
             blend = (row - low)[part, None]
             F = (1.0 - blend) * conditional[low[part]] + blend * conditional[low[part] + 1]
             cell = np.clip((turns[part, None] >= F).sum(axis=1) - 1, 0, n - 1)

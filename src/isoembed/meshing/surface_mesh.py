@@ -10,13 +10,14 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
-from isoembed.meshing.blue_noise import blue_noise_directions
+from isoembed.meshing.blue_noise import CANDIDATES, blue_noise_directions, least_crowded
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
 from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
+from isoembed.meshing.spreading import Cells
 from isoembed.meshing.surface import Surface, ZoneSurface, spread_directions, vertex_density
 from isoembed.meshing.touch_up import touch_up
-from isoembed.meshing.zone_mesh import zone_mesh
+from isoembed.meshing.zone import ZoneLayout, even_points
 
 MIN_VERTICES = 12  # of a triangulated surface
 LARGE = 20_000  # vertices: in larger meshes only those near bad angles move
@@ -91,7 +92,7 @@ def triangulate(
     n = checked_count("the number of vertices", n_vertices, MIN_VERTICES)
     seed = None if irregular is None else checked_count("the seed of an irregular mesh", irregular, 0)
     if isinstance(surface, ZoneSurface):
-        return zone_mesh(surface, n, seed)
+        return _zone_mesh(surface, n, seed)
     if seed is None:
         return _regular(surface, n)
     u = blue_noise_directions(surface, n, seed)
@@ -127,3 +128,28 @@ def _relaxed(surface: Surface, u: Floats, faces: Indices, twin: Indices) -> tupl
             break
         u = surface._moved(u, lloyd_step(x, normals, faces, vertex_density(surface, u)))
     return best
+
+
+def _zone_mesh(surface: ZoneSurface, n: int, seed: int | None) -> tuple[Floats, Indices]:
+    """Vertices (n, 3) on a surface and triangles (F, 3): nearly equilateral, or irregular with a seed."""
+
+    def distances(start: Floats, end: Floats) -> Floats:
+        return np.asarray(np.linalg.norm(surface._points(end) - surface._points(start), axis=1))
+
+    def random_points(cells: Cells, k: int) -> Floats:
+        u = cells.spread(np.random.default_rng(seed).random((CANDIDATES * k, 2)))
+        return u[least_crowded(surface._points(u), np.ones(len(u)), cells.integral(), k)]
+
+    layout = ZoneLayout(
+        surface.zone, surface._tensor, surface._area_density, lambda u: np.ones(len(u)), surface.is_ring
+    )
+    if seed is None:
+        mesh = layout.mesh(n, distances, even_points).relaxed(None)
+    else:
+        mesh = layout.mesh(n, distances, random_points).delaunay()
+    u, faces = mesh.u[: mesh.n_vertices], mesh.tables.faces[~mesh.is_cone]
+    if surface.is_ring:
+        around = mesh.boundary // 2
+        u = np.delete(u, np.s_[around : 2 * around], axis=0)
+        faces = np.where(faces < around, faces, faces - around)
+    return surface.point(u), faces

@@ -9,8 +9,6 @@ from isoembed.meshing.loops import judge, surroundings
 from isoembed.meshing.surface import Surface, vertex_density
 
 GOOD, OUTSIDE, INWARD = 0, 1, 2
-
-
 PATIENCE = 200  # sweeps without progress after which the relaxation ends
 
 

@@ -14,7 +14,6 @@ from isoembed.meshing.metric_relaxation import MetricMesh
 from isoembed.meshing.sphere import GOLDEN, angles_of, directions_at, fibonacci_lattice
 from isoembed.meshing.spreading import Cells, Zone
 
-ROWS = 256  # rows of cells on which the vertex density is sampled
 ALONG = 2048  # samples of the metric along a circle
 STRIP = np.sqrt(3.0) / 4.0  # width of the Voronoi cells of vertices on a boundary, over the edge length
 
@@ -122,7 +121,7 @@ class ZoneLayout:
     @cached_property
     def _wanted_cells(self) -> Cells:
         """Prescribed vertices per area of the unit sphere."""
-        return Cells.of(lambda u: self.area(u) * self.density(u), (ROWS, ROWS), zone=self.zone)
+        return Cells.of(lambda u: self.area(u) * self.density(u), (256, 256), zone=self.zone)
 
     def _circle(self, theta: float) -> Floats:
         """Speeds (2, n) of theta and phi at uniform steps along a circle, in local edge lengths."""

@@ -9,17 +9,17 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.gluing.outlines import Curve, Ellipse
+from isoembed.gluing.outlines import Curve, Ellipse, check_fraction
 from isoembed.gluing.polygon import is_number, side_lengths
 from isoembed.io.files import write_atomically
 from isoembed.io.registry import check_output
 from isoembed.papercraft.drawing import DECIMALS
 from isoembed.papercraft.labels import HEIGHT
 from isoembed.papercraft.paper import MARGIN
-from isoembed.papercraft.svg import COLORS, INKSCAPE, WIDTHS
+from isoembed.papercraft.svg import COLORS, FONT, INKSCAPE, WIDTHS, layer
 
 MARKS = 12  # around each outline
-TICK, SIZE = 3.0, 3.0  # mm
+TICK = 3.0  # mm, length of a mark, and font size
 DENSE = 20_000  # chords for arc lengths accurate to 1e-8
 
 
@@ -50,8 +50,7 @@ def write_dform(
         The offset or the scale is out of range.
     """
     check_output(path, (".svg",))
-    if not is_number(offset) or not 0 <= offset < 1:
-        raise InvalidParameter(f"offset is {offset!r}, not a fraction of the perimeter in [0, 1)")
+    check_fraction("offset", offset)
     if not is_number(scale) or not 0 < scale < math.inf:
         raise InvalidParameter(f"scale is {scale!r}, not a positive finite number of mm")
     u = np.arange(DENSE) / DENSE
@@ -79,28 +78,23 @@ def _svg(shapes: list[tuple[Curve, float, float, int]]) -> str:
             outer, inner, text = (_placed(scale * point + d * inward, middle) for d in (0.0, TICK, 2 * TICK))
             ticks.append(f'<path d="M{outer}L{inner}"/>')
             across, down = text.split()
-            numbers.append(f'<text x="{across}" y="{down}" dy="{HEIGHT / 2 * SIZE:.3f}">{k + 1}</text>')
+            numbers.append(f'<text x="{across}" y="{down}" dy="{HEIGHT / 2 * TICK:.3f}">{k + 1}</text>')
         right, height = right + float(size[0]) + MARGIN, max(height, float(size[1]) + 2 * MARGIN)
-    style = f'fill="none" stroke="{COLORS["engrave"]}" stroke-width="{WIDTHS["engrave"]}"'
-    written = f'stroke="none" fill="{COLORS["engrave"]}" font-size="{SIZE}" text-anchor="middle"'
+    written = f'stroke="none" fill="{COLORS["engrave"]}" font-size="{TICK}" text-anchor="middle" {FONT}'
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{INKSCAPE}" width="{right:.4f}mm" '
             f'height="{height:.4f}mm" viewBox="0 0 {right:.4f} {height:.4f}" style="background: white">',
-            f'<g id="engrave" inkscape:groupmode="layer" inkscape:label="engrave" {style}>',
-            *ticks,
-            f'<g id="numbers" {written} font-family="Helvetica, Arial, sans-serif">',
-            *numbers,
-            "</g>",
-            "</g>",
-            '<g id="cut" inkscape:groupmode="layer" inkscape:label="cut" fill="none" '
-            f'stroke="{COLORS["cut"]}" stroke-width="{WIDTHS["cut"]}">',
-            *cuts,
-            "</g>",
+            layer("engrave", [*ticks, f'<g id="numbers" {written}>', *numbers, "</g>"], _stroke("engrave")),
+            layer("cut", cuts, _stroke("cut")),
             "</svg>\n",
         ]
     )
+
+
+def _stroke(kind: str) -> str:
+    return f'fill="none" stroke="{COLORS[kind]}" stroke-width="{WIDTHS[kind]}"'
 
 
 def _path(curve: Curve, begin: float, scale: float, middle: Floats) -> str:

@@ -26,9 +26,7 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 LEAST = 1e-3  # radians; smaller folds are omitted
-GLUED = 0.75  # glued fraction of a tab, in each direction
 ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
-KERF_LIMIT = 20.0  # half kerfs: corners of less than 6 degrees are cut off
 DECIMALS = 6  # of a millimeter in files: nearly flat vertices magnify rounding errors a thousandfold
 
 
@@ -124,16 +122,6 @@ class Drawing:
     any_surface: bool
 
     @property
-    def mountains(self) -> list[Floats]:
-        """Endpoints of folds away from an outside viewer."""
-        return [fold.line for fold in self.folds if fold.kind == "mountain"]
-
-    @property
-    def valleys(self) -> list[Floats]:
-        """Endpoints of folds toward an outside viewer."""
-        return [fold.line for fold in self.folds if fold.kind == "valley"]
-
-    @property
     def underlines(self) -> list[Floats]:
         """Lines below labels that are ambiguous upside down."""
         return [one.underline for one in self.labels if one.underline is not None]
@@ -153,16 +141,8 @@ def drawn(
     Parameters
     ----------
     unfolding : Unfolding
-    paper : str
-        See `isoembed.papercraft.paper.Paper.of`.
-    scale : float, optional
-        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float or tuple, optional
-        Alternative to a scale; see `isoembed.papercraft.placing.laid_out`.
-    numbers : bool, optional
-        Whether faces are numbered, and the solid is drawn on an additional page.
-    material : Material, optional
-        Joints, allowance, kerf and cutting of folds.
+    paper, scale, size, numbers, material
+        See `isoembed.papercraft.write_sheets`.
 
     Raises
     ------
@@ -277,7 +257,8 @@ def _widened(outline: Floats, material: Material, name: str) -> Floats:
     """Outline of the cut: widened by the allowance and half of the kerf."""
     if material.allowance:
         outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
-    return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
+    # Corners of less than 6 degrees are cut off.
+    return offset(outline, material.kerf / 2, name, 20.0) if material.kerf else outline
 
 
 def _crosses(middles: Floats, size: float) -> Floats:
@@ -289,4 +270,4 @@ def _crosses(middles: Floats, size: float) -> Floats:
 def _middle(tab: Floats) -> Floats:
     """Glue area of a tab, inset from its sides to avoid repeated lines."""
     center = tab.mean(axis=0)
-    return np.asarray(center + GLUED * (tab - center))
+    return np.asarray(center + 0.75 * (tab - center))

@@ -17,7 +17,6 @@ COLORS = {
     "solid": 9,
 }
 """AutoCAD color indices of the layers: red, blue, green, magenta, gray, black or white, light gray."""
-MILLIMETERS = 4  # value of $INSUNITS
 
 
 def write_dxf(path: Path, drawing: Drawing) -> None:
@@ -25,7 +24,7 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
     ezdxf = ezdxf_for(f"writing {path}")
     up = np.array([0.0, drawing.pages * drawing.height])
     with _no_dates(ezdxf):
-        document = ezdxf.new("R2010", units=MILLIMETERS)
+        document = ezdxf.new("R2010", units=4)  # $INSUNITS: millimeters
         document.header["$MEASUREMENT"] = 1  # metric
         document.appids.add(APPLICATION)
         for name in (*PROPERTIES, ANY_SURFACE):

@@ -9,6 +9,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.creases import fold_up
+from isoembed.gluing.polygon import consecutive
 from isoembed.mesh.triangulation import frozen
 
 if TYPE_CHECKING:
@@ -57,11 +58,7 @@ def partly_folded(unfolding: Unfolding, share: float) -> tuple[Floats, list[Indi
         unfolding.sheets, unfolding.faces, unfolding.fold_corners, unfolding.angles, strict=True
     ):
         faces = _from_the_middle(sheet, around)
-        angles = {
-            (min(a, b), max(a, b)): 0.0
-            for face in faces
-            for a, b in zip(face.tolist(), np.roll(face, -1).tolist(), strict=True)
-        }
+        angles = {(min(ends), max(ends)): 0.0 for face in faces for ends in consecutive(face)}
         for (a, b), angle in zip(ends.tolist(), bent.tolist(), strict=True):
             angles[min(a, b), max(a, b)] = -share * angle  # `fold_up` takes valleys as positive
         places, _ = fold_up(sheet, [face.tolist() for face in faces], angles, np.inf)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.arrays import Indices
+from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import signed_area
@@ -52,25 +52,21 @@ class _NetSurface(Surface):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _FoldedNet(Embedding):
+    """Net in space, for pictures with the faces of the solid."""
+
     of_triangles: Indices | None = None
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
         return super()._made_surface(_NetSurface, of_triangles=self.of_triangles, **more)
 
-
-@dataclass(frozen=True, eq=False)
-class _Folding(Frame):
-    def surface(self, embedding: Embedding) -> Embedding:
-        """Net of the frame, with its faces."""
-        assert isinstance(embedding, _FoldedNet)
+    def _shaped(self, vertices: Floats, message: str) -> _FoldedNet:
+        """Return the net with other vertices, with its faces."""
         return _FoldedNet(
-            embedding.metric, self.vertices, method="", tolerance=1.0, of_triangles=embedding.of_triangles
+            self.metric, vertices, method="", tolerance=1.0, message=message, of_triangles=self.of_triangles
         )
 
 
-def folding_page_writer(
-    path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing, *, title: str = ""
-) -> Writer:
+def folding_page_writer(path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing) -> Writer:
     """Writer of the page; see `isoembed.io.write_atomically`.
 
     Parameters
@@ -80,8 +76,6 @@ def folding_page_writer(
     unfolding : Unfolding
     pages : Drawing
         Drawing of the net.
-    title : str
-        Title of the page; by default the file name.
 
     Raises
     ------
@@ -99,7 +93,7 @@ def folding_page_writer(
     sizes = np.array([len(face) for face in faces])
     owners = np.repeat(np.arange(len(faces)), sizes - 2)
     shares = (1 - np.cos(np.linspace(0.0, np.pi, FRAMES))) / 2
-    frames = [_Folding("folding", None, None, partly_folded(unfolding, share)[0]) for share in shares]
+    frames = [Frame("folding", None, None, partly_folded(unfolding, share)[0]) for share in shares]
     solid = _FoldedNet(
         metric, frames[-1].vertices, method="folding", tolerance=TOLERANCE, of_triangles=owners
     )
@@ -107,7 +101,7 @@ def folding_page_writer(
     return page_writer(
         path,
         solid,
-        title=title or Path(path).stem,
+        title=Path(path).stem,
         frames=frames,
         caption=str(unfolding),
         tables=_counted(unfolding, pages.net, volume(triangles, solid.vertices)),

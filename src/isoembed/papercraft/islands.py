@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.gluing.polygon import consecutive
 from isoembed.mesh.triangulation import frozen
+from isoembed.papercraft.packing import SLACK
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -17,7 +19,6 @@ if TYPE_CHECKING:
 Fold = tuple[int, int]
 """Corners of a sheet at the ends of a fold, in the order around the face nearer to the root."""
 
-COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # numbers of directions in a right angle; limit for all faces
 KEPT = 12  # partitions of a subtree for each number of islands
 
 
@@ -79,7 +80,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
             np.array([one.support for one in open_[parent]])[:, None],
             np.array([one.support for one in below]),
         )
-        fits = _needed(supports, room) <= 1 + 1e-9
+        fits = _needed(supports, room) <= 1 + SLACK
         found += [
             _Partition(
                 one.islands + other.islands, one.length + other.length, supports[i, j], (one.cuts, other.cuts)
@@ -95,11 +96,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
 
 def _tree(faces: Sequence[Indices]) -> tuple[list[int], list[int], list[Fold | None]]:
     """Faces in order from the root, the parent of each, and the fold shared with it, as in the parent."""
-    owner = {
-        (a, b): f
-        for f, face in enumerate(faces)
-        for a, b in zip(face.tolist(), np.roll(face, -1).tolist(), strict=True)
-    }
+    owner = {ends: f for f, face in enumerate(faces) for ends in consecutive(face)}
     beside: list[list[tuple[int, Fold]]] = [[] for _ in faces]
     for (a, b), f in owner.items():
         if (b, a) in owner:
@@ -116,7 +113,7 @@ def _tree(faces: Sequence[Indices]) -> tuple[list[int], list[int], list[Fold | N
 
 def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
     """Directions in a right angle, radians: evenly spaced ones, and those of the longest sides of faces."""
-    count = min(max(SUPPORTS // len(faces), COARSEST), FINEST)
+    count = min(max(100_000 // len(faces), 90), 720)  # limits the memory for many faces
     sides = np.concatenate([sheet[np.roll(face, -1)] - sheet[face] for face in faces])
     longest = sides[np.argsort(-np.hypot(*sides.T), kind="stable")[: 2 * count]]
     along = np.arctan2(longest[:, 1], longest[:, 0]) % (np.pi / 2)
@@ -211,8 +208,8 @@ def cut_along(unfolding: Unfolding, cuts: Sequence[Sequence[Fold]]) -> Unfolding
         for mine in _components(unfolding.faces[p], {*cut, *((b, a) for a, b in cut)}):
             ring = _outline([unfolding.faces[p][f] for f in mine])
             number = {corner: k for k, corner in enumerate(ring)}
-            for k, corner in enumerate(ring):
-                place[p, corner, ring[(k + 1) % len(ring)]] = len(sheets), k
+            for k, (a, b) in enumerate(consecutive(ring)):
+                place[p, a, b] = len(sheets), k
             inside = [
                 m
                 for m, (a, b) in enumerate(unfolding.fold_corners[p].tolist())
@@ -254,7 +251,7 @@ def _components(faces: Sequence[Indices], cut: set[Fold]) -> list[list[int]]:
 
 def _outline(faces: Sequence[Indices]) -> list[int]:
     """Corners around joined faces, starting at the lowest."""
-    sides = {(a, b) for face in faces for a, b in zip(face.tolist(), np.roll(face, -1).tolist(), strict=True)}
+    sides = {ends for face in faces for ends in consecutive(face)}
     after = {a: b for a, b in sides if (b, a) not in sides}
     ring = [min(after)]
     while (corner := after[ring[-1]]) != ring[0]:

@@ -7,16 +7,14 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.gluing.polygon import Side, segments
 from isoembed.papercraft.convex import Pieces, overlaps
 
-Side = tuple[int, int]
-
-SIZE, LEGIBLE, LEAST = 4.2, 2.0, 0.5  # mm
-SHRINK = 0.85
+LEGIBLE, LEAST = 2.0, 0.5  # mm
+SHRINK = 0.85  # ratio of successive sizes that are tried
 WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in font sizes
 PADDING = 0.22  # around a number, in font sizes
 OFF = 0.15  # distance of the padded number from the side, in font sizes
-PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # positions along a side, in the order of the attempts
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ def labels(
     sides : sequence of pairs
         Pairs of glued sides ``((p, k), (q, m))``.
     """
-    rims = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
+    rims = list(map(segments, outlines))
     numbered = [(str(number), rims[p][k]) for number, pair in enumerate(sides, 1) for p, k in pair]
     numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # shortest sides first
     lines, creases = Pieces(2, chain.from_iterable(rims)), Pieces(2, chain.from_iterable(folds))
@@ -85,7 +83,7 @@ def labels(
     found = []
     for text, ends in numbered:
         one = (
-            _fitting(text, ends, SIZE, LEGIBLE, (lines, creases, occupied))
+            _fitting(text, ends, 4.2, LEGIBLE, (lines, creases, occupied))
             or _fitting(text, ends, LEGIBLE, LEAST, (lines, occupied))
             or _beside(text, ends, 0.5, LEAST)
         )
@@ -104,7 +102,7 @@ def _fitting(
     around = np.concatenate([_beside(text, ends, part, size).box for part in (0.0, 1.0)])
     close = [some.near(around) for some in obstacles]
     while size >= smallest:
-        for part in PLACES:
+        for part in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8):
             one = _beside(text, ends, part, size)
             if not any(overlaps(one.box, some) for some in close):
                 return one

@@ -14,8 +14,8 @@ from isoembed.papercraft.paper import MARGIN
 if TYPE_CHECKING:
     from isoembed.papercraft.placing import Layout
 
-NOTE, LEGIBLE = 3.0, 1.4  # mm, font sizes at the foot: normal and smallest
-RULER, TICK = 50, 10  # mm
+NOTE = 3.0  # mm, font size at the foot
+RULER = 50  # mm
 MARK, OFF = 6.0, 5.0  # mm, length of a corner mark and its distance from the page edges
 LEGEND = {
     "cut": (92.0, "cut"),
@@ -24,7 +24,6 @@ LEGEND = {
 }
 """Position in mm from the left of a sample of each kind of line, and its text."""
 SAMPLE = 10.0  # mm
-END = 196.0  # mm from the left, end of the legend
 
 
 def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple[str, Floats]], list[Label]]:
@@ -45,8 +44,8 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
     list of Label
     """
     lines, legend, notes = [], [], []
-    # On narrow pages the legend is compressed, until it is illegible.
-    narrow = min(1.0, (layout.width - 2 * MARGIN - RULER) / (END - MARGIN - RULER))
+    # On narrow pages the legend, which ends at 196 mm, is compressed, until it is illegible.
+    narrow = min(1.0, (layout.width - 2 * MARGIN - RULER) / (196.0 - MARGIN - RULER))
     for k in range(layout.pages):
         low = -(k + 1) * layout.height
         lines += _marks(layout.width, layout.height, low)
@@ -57,10 +56,10 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
         )
         notes.append(_line_of_words(text, layout.width, low))
         y, end = low + 3.2 * NOTE, MARGIN + RULER
-        ticks = np.arange(MARGIN, end + 1, TICK)
+        ticks = np.arange(MARGIN, end + 1, 10)
         lines += [_line(MARGIN, y, end, y), *(_line(x, y, x, y + 0.6 * NOTE) for x in ticks)]
         notes.append(_after(f"{RULER} mm", end, y, NOTE))
-        if narrow * NOTE < LEGIBLE:
+        if narrow * NOTE < 1.4:  # mm, illegible
             continue
         for kind in kinds:
             x, text = LEGEND[kind]

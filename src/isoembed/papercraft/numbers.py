@@ -9,12 +9,11 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats, Mask
+from isoembed.gluing.polygon import segments
 from isoembed.papercraft.convex import Pieces, overlapping
 from isoembed.papercraft.labels import HEIGHT, SHRINK, WIDTH, Label
 
-SIZE, LEAST = 6.0, 1.0  # mm, largest and smallest font size
 STEPS = 12  # of the grid of candidate positions in each direction, within a face
-PLACES = 8  # candidate positions tried, those farthest from the sides
 
 
 def face_numbers(
@@ -42,7 +41,7 @@ def face_numbers(
         Returns which points, (n, 2), of the k-th face are visible, in a drawing of the solid.
     """
     if lines is None:
-        lines = chain.from_iterable(np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
+        lines = chain.from_iterable(map(segments, faces))
     drawn, occupied = Pieces(2, lines), Pieces(4, (one.box for one in labels))
     found = []
     for k, (face, number) in enumerate(zip(faces, numbers, strict=True)):
@@ -55,10 +54,10 @@ def face_numbers(
 
 def _inside(text: str, places: Floats, room: float, obstacles: Sequence[Pieces]) -> Label | None:
     # A circle of this radius around the best place meets no side.
-    size = min(SIZE, 2 * room / (SHRINK * np.hypot(WIDTH * len(text), HEIGHT)))
+    size = min(6.0, 2 * room / (SHRINK * np.hypot(WIDTH * len(text), HEIGHT)))
     around = np.concatenate([Label(text, x, y, 0.0, max(size, 0.0)).box for x, y in places.tolist()])
     close = [some.near(around) for some in obstacles]
-    while size >= LEAST:
+    while size >= 1.0:  # mm
         some = [Label(text, x, y, 0.0, size) for x, y in places.tolist()]
         boxes = np.array([one.box for one in some])
         is_free = ~np.any([overlapping(boxes, others) for others in close], axis=0)
@@ -84,5 +83,5 @@ def _middles(face: Floats, is_seen: Callable[[Floats], Mask] | None) -> tuple[Fl
     if is_seen is not None:
         inside = np.flatnonzero(apart > 0)
         apart[inside[~is_seen(points[inside])]] = -np.inf
-    best = np.argsort(-apart, kind="stable")[:PLACES]
+    best = np.argsort(-apart, kind="stable")[:8]  # those farthest from the sides
     return points[best], max(float(apart[best[0]]), 0.0)

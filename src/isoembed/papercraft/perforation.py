@@ -3,9 +3,8 @@
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.gluing.dashes import FEWEST
 from isoembed.papercraft.material import Material
-
-FEWEST = 3  # dashes, so that readers of the file recognize a single fold
 
 
 def pieces(line: Floats, material: Material) -> Floats:
@@ -25,7 +24,7 @@ def pieces(line: Floats, material: Material) -> Floats:
     length = float(np.hypot(*(line[1] - line[0])))
     dash, gap = material.dash, material.gap
     n = int((length - gap) / (dash + gap))
-    if n < FEWEST:
+    if n < FEWEST:  # readers of the file would not recognize a single fold
         n = FEWEST
         dash *= length / (n * dash + (n + 1) * gap)
     dash = max(dash - material.kerf, dash / 2)  # the beam cuts half its width beyond either end

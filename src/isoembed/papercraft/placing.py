@@ -13,7 +13,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import is_number
 from isoembed.papercraft.fitting import best_turn, compact_turn
 from isoembed.papercraft.islands import cut_along, partition, parts
-from isoembed.papercraft.packing import packed
+from isoembed.papercraft.packing import SLACK, packed
 from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
 if TYPE_CHECKING:
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 GAP = 14.0  # mm, between sheets, for the tabs of both
 NO_FORMAT = "no format is large enough: give a page size, paper='WIDTHxHEIGHT' in mm"
-SLACK = 1e-9  # relative tolerance for an exact fit
 AXES = "x", "y", "z"
-TINY = 1e-9  # of the largest extent: a smaller extent counts as zero
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
@@ -80,19 +78,13 @@ def laid_out(
 ) -> Layout:
     """Arrange a net on pages.
 
-    At a given `scale` or `size`, sheets larger than a page are divided into islands by few and short cuts
-    along folds.  Of portrait and landscape, the one with fewer islands, then fewer pages, is used.
+    Of portrait and landscape, the one with fewer islands, then fewer pages, is used at a given scale or size.
 
     Parameters
     ----------
     unfolding : Unfolding
-    paper : str
-        See `Paper.of`.
-    scale : float, optional
-        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float or tuple, optional
-        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm, or
-        ``("z", extent)``, that along z, and likewise of x and y.
+    paper, scale, size
+        See `isoembed.papercraft.write_sheets`.
     beyond : float
         Extent of cuts beyond that of tabs, mm.
 
@@ -148,7 +140,7 @@ def _extent(unfolding: Unfolding, axis: str) -> float:
         raise InvalidParameter("a size requires the solid, which this net does not have: give a scale")
     extents = np.ptp(unfolding.vertices, axis=0)
     found = extents[AXES.index(axis)] if axis else extents.max()
-    if found < TINY * extents.max():
+    if found < 1e-9 * extents.max():  # a smaller extent counts as zero
         raise InvalidParameter(f"a size in {axis} is given, but the solid has no extent in {axis}")
     return float(found)
 

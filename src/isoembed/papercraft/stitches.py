@@ -6,9 +6,8 @@ import numpy as np
 
 from isoembed.arrays import Floats, Mask
 from isoembed.gluing.line_graph import is_inside
+from isoembed.gluing.polygon import Side
 from isoembed.papercraft.material import Material
-
-Side = tuple[int, int]
 
 
 def stitches(

@@ -17,6 +17,7 @@ COLORS = {
     "engrave": "#000000",
 }
 """Line colors, by which cutting machines distinguish operations."""
+FONT = 'font-family="Helvetica, Arial, sans-serif"'
 INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
 DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
@@ -34,12 +35,12 @@ def svg(drawing: Drawing) -> str:
         ],
         "solid": [*map(_path, drawing.pictured), *map(_text, drawing.captions)],
     }
-    style = f'{_stroke("engrave")} font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
+    style = f'{_stroke("engrave")} {FONT} text-anchor="middle"'
     layers = [
-        _layer("glue", (_path(area, closed=True) for area in drawing.glue), 'fill="#e4e4e4"'),
-        *(_layer(name, lines, style) for name, lines in read.items() if lines),
+        layer("glue", (_path(area, closed=True) for area in drawing.glue), 'fill="#e4e4e4"'),
+        *(layer(name, lines, style) for name, lines in read.items() if lines),
         *(
-            _layer(
+            layer(
                 kind,
                 (
                     _path(*fold.pieces, extra=_angle(fold.angle))
@@ -51,10 +52,10 @@ def svg(drawing: Drawing) -> str:
             for kind in ("valley", "mountain")
         ),
         *(
-            [_layer("seam", (_path(seam, closed=True) for seam in drawing.seams), _stroke("seam"))]
+            [layer("seam", (_path(seam, closed=True) for seam in drawing.seams), _stroke("seam"))]
             * bool(drawing.seams)
         ),
-        _layer(
+        layer(
             "cut",
             [*(_circle(*hole) for hole in drawing.holes), *(_path(cut, closed=True) for cut in drawing.cuts)],
             _stroke("cut"),
@@ -73,7 +74,8 @@ def svg(drawing: Drawing) -> str:
     )
 
 
-def _layer(name: str, lines: Iterable[str], style: str) -> str:
+def layer(name: str, lines: Iterable[str], style: str) -> str:
+    """Text of a layer, which Inkscape shows as such."""
     layer = f'inkscape:groupmode="layer" inkscape:label="{name}"'
     return "\n".join([f'<g id="{name}" {layer} {style}>', *lines, "</g>"])
 

@@ -22,7 +22,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.offset import moved_sides
-from isoembed.gluing.polygon import meeting_sides
+from isoembed.gluing.polygon import consecutive, interior_angles, meeting_sides
 from isoembed.papercraft.material import Material
 
 if TYPE_CHECKING:
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 
 Corner = tuple[int, int]
 """A face of a sheet and a corner of that face, which is the start of the side with the same number."""
-SAME = 1e-9  # of the sheet size: distance within which corners of faces coincide
-RELIEF = 1.1  # radius of a relief relative to the distance of the farthest corner
-STEP = np.pi / 6  # angular step of the polygon of a relief
 
 
 def shortening(angle: float, material: Material, is_fold: bool) -> float:
@@ -86,10 +83,10 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
     places: dict[Corner, Corner] = {}
     normals = _normals(unfolding)
     owner = {
-        (p, int(a)): (p, f)
+        (p, a): (p, f)
         for p, faces in enumerate(unfolding.faces)
         for f, face in enumerate(faces)
-        for a, b in zip(face, np.roll(face, -1), strict=True)
+        for a, b in consecutive(face)
         if (a + 1) % len(unfolding.sheets[p]) == b
     }
     mates = {side: owner[mate] for pair in unfolding.sides for side, mate in (pair, pair[::-1])}
@@ -141,11 +138,7 @@ class _Sheet:
     def __init__(self, sheet: Floats, faces: tuple[Indices, ...]) -> None:
         self.faces = [sheet[face] for face in faces]
         self.size = float(np.ptp(sheet, axis=0).max())
-        self.ends = {
-            (f, k): (int(a), int(b))
-            for f, face in enumerate(faces)
-            for k, (a, b) in enumerate(zip(face, np.roll(face, -1), strict=True))
-        }
+        self.ends = {(f, k): ends for f, face in enumerate(faces) for k, ends in enumerate(consecutive(face))}
         place = {ends: at for at, ends in self.ends.items()}
         self.twins = {at: place[b, a] for at, (a, b) in self.ends.items() if (b, a) in place}
 
@@ -185,8 +178,8 @@ class _Sheet:
                 at = self._next(at)
             around.append(side(at)[0])
             middle = np.mean(around, axis=0)
-            radius = RELIEF * float(np.hypot(*(around - middle).T).max())
-            if radius <= SAME * self.size:
+            radius = 1.1 * float(np.hypot(*(around - middle).T).max())
+            if radius <= 1e-9 * self.size:  # the corners coincide
                 outline.append(middle)
             else:
                 reliefs |= dict.fromkeys(crossed, (middle, radius))
@@ -220,8 +213,7 @@ class _Sheet:
         for f, k in [before, *(self.twins[at] for at in crossed)]:
             face = self.faces[f]
             here = face[(k + 1) % len(face)]
-            (a, b), (c, d) = face[(k + 2) % len(face)] - here, face[k] - here
-            total += float(np.arctan2(a * d - b * c, a * c + b * d) % (2 * np.pi))
+            total += float(interior_angles(face[(k + 2) % len(face)] - here, face[k] - here))
         return total
 
     def _next(self, at: Corner) -> Corner:
@@ -268,7 +260,7 @@ def _relief(before: Floats, after: Floats, middle: Floats, radius: float, angle:
     # Clockwise through the sheet by approximately its angle, modulo full turns.
     sweep = np.arctan2(x * v - y * u, x * u + y * v)
     sweep += 2 * np.pi * np.rint((-angle - sweep) / (2 * np.pi))
-    n = max(1, int(np.ceil(abs(sweep) / STEP)))
+    n = max(1, int(np.ceil(abs(sweep) / (np.pi / 6))))
     turns = np.arctan2(y, x) + sweep * np.arange(1, n) / n
     arc = middle + radius * np.column_stack([np.cos(turns), np.sin(turns)])
     return [ends[0], *arc, ends[1]]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
-from isoembed.gluing.polygon import signed_area
+from isoembed.arrays import Floats, Indices, Mask, chunks
+from isoembed.gluing.polygon import consecutive, signed_area
 from isoembed.intrinsic.ears import triangulated
 from isoembed.papercraft.labels import Label
 from isoembed.papercraft.numbers import face_numbers
@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 TOWARD = np.array([0.48, -0.72, 0.5])  # preferred direction of view
-TURNS, RISES = 24, (0.3, 0.5, 0.7)  # other directions: number of azimuths, heights
-EDGE_ON = 1e-3  # cosine below which visibility is considered equal
+TURNS = 24  # azimuths of other directions
 SAMPLES = 24  # per edge, to determine hidden parts
 CLOSE = 1e-6  # of the size of the solid: closer objects do not hide anything
-CHUNK = 1 << 22
 
 
 def views(
@@ -75,11 +73,7 @@ def views(
         before = np.concatenate(
             [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
         )
-        edges = {
-            tuple(sorted(pair))
-            for _, face in front
-            for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
-        }
+        edges = {tuple(sorted(ends)) for _, face in front for ends in consecutive(face)}
         ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
         visible = _visible(projection[ends], before, CLOSE * scale)
         lines += visible
@@ -106,11 +100,14 @@ def _toward(triangles: Floats) -> Floats:
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     sizes = np.linalg.norm(normals, axis=1)
     normals = normals[sizes > 0] / sizes[sizes > 0, None]
-    turns, rises = (some.ravel() for some in np.meshgrid(2 * np.pi * np.arange(TURNS) / TURNS, RISES))
+    turns, rises = (
+        some.ravel() for some in np.meshgrid(2 * np.pi * np.arange(TURNS) / TURNS, (0.3, 0.5, 0.7))
+    )
     level = np.sqrt(1 - rises**2)
     ways = np.vstack([TOWARD, np.column_stack([level * np.sin(turns), -level * np.cos(turns), rises])])
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    visibility = np.log(np.maximum(np.abs(normals @ ways.T), EDGE_ON)).sum(axis=0)
+    # Faces seen at smaller cosines are equally invisible.
+    visibility = np.log(np.maximum(np.abs(normals @ ways.T), 1e-3)).sum(axis=0)
     return np.asarray(ways[int(np.argmax(visibility.round(9)))])
 
 
@@ -152,15 +149,14 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
 def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
     """Mask of points, (n, 3), behind any counterclockwise triangle, (m, 3, 3)."""
     hidden = np.zeros(len(points), dtype=np.bool_)
-    step = max(1, CHUNK // max(len(triangles), 1))
     sides = np.roll(triangles, -1, axis=1) - triangles
     normal = np.cross(sides[:, 0], sides[:, 1])
-    for k in range(0, len(points), step):
-        some = points[k : k + step]
+    for part in chunks(len(points), max(1, (1 << 22) // max(len(triangles), 1))):  # bounds the memory
+        some = points[part]
         inside = np.ones((len(some), len(triangles)), dtype=np.bool_)
         for c in range(3):
             x, y = (some[:, None, axis] - triangles[:, c, axis] for axis in (0, 1))
             inside &= sides[:, c, 0] * y - sides[:, c, 1] * x > 0
         to = some[:, None] - triangles[:, 0]
-        hidden[k : k + step] = (inside & ((to * normal).sum(axis=2) < -close * normal[:, 2])).any(axis=1)
+        hidden[part] = (inside & ((to * normal).sum(axis=2) < -close * normal[:, 2])).any(axis=1)
     return hidden

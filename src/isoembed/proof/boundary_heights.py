@@ -115,27 +115,21 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
     t = metric.triangulation
     if t.euler_characteristic != 1 or len(t.boundaries) != 1 or not metric.space.is_euclidean:
         raise InvalidMetric("heights of a boundary are certified for discs in R^3 only")
-    found: dict[str, Any] = {}
-    try:
+
+    def prove(found: dict[str, Any]) -> str:
         added = _prove(metric.normalized, vertices / metric.unit, heights / metric.unit, found)
-    except NotProven as obstacle:
-        return CapCertificate(False, f"not certified, because {obstacle}", **found)
-    where = "at these heights" if np.ptp(heights) else "in a plane"
-    reason = (
-        f"certified: a surface with these lengths and its boundary {where} is within "
-        f"{rounded_up(found['radius'])} mean edge lengths of the vertices, and any other at least "
-        f"{rounded_down(found['isolation'])} from it; {added}"
-    )
-    return CapCertificate(True, reason, **found)
+        where = "at these heights" if np.ptp(heights) else "in a plane"
+        return (
+            f"a surface with these lengths and its boundary {where} is within {rounded_up(found['radius'])} "
+            f"mean edge lengths of the vertices, and any other at least {rounded_down(found['isolation'])} "
+            f"from it; {added}"
+        )
+
+    return CapCertificate._of(prove)
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str, Any]) -> str:
-    """Carry out the proof for a normalized metric: record its constants, return further conclusions.
-
-    Raises
-    ------
-    NotProven
-    """
+    """Prove for a normalized metric: record constants, return further conclusions; raises NotProven."""
     t = metric.triangulation
     [loop] = t.boundaries
     equations = HeightEquations(loop, heights, x)

@@ -4,8 +4,10 @@ The theorem is that of `nearby_realization`.  Embeddedness is verified for all v
 that contains the exact ones.
 """
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_realization import NearbyRealization
 from isoembed.proof.rounding import GUARD
-from isoembed.reprs import short_repr
+from isoembed.reprs import counted, short_repr
 from isoembed.surface.intersection import self_intersections
 from isoembed.thresholds import rounded_down, rounded_up
 
@@ -61,6 +63,15 @@ class Certificate:
         "a theorem of Newton-Kantorovich type for the length equations, with bounds on rounding"
     )
 
+    @classmethod
+    def _of(cls, prove: Callable[[dict[str, Any]], str]) -> Self:
+        """Certificate from a proof, which records the constants that it reaches and returns its statement."""
+        found: dict[str, Any] = {}
+        try:
+            return cls(True, f"certified: {prove(found)}", **found)
+        except NotProven as obstacle:
+            return cls(False, f"not certified, because {obstacle}", **found)
+
     @property
     def evidence(self) -> Evidence | None:
         """Evidence for the uniqueness stated in `reason`; None if nothing is proven."""
@@ -75,9 +86,6 @@ class Certificate:
         return {**asdict(self), **(self.evidence.report if self.evidence else {})}
 
 
-HIDDEN = 1e-10
-"""Residual, in mean edge lengths, within the effect of rounding."""
-
 NOT_ASKED = Certificate(False, "not certified, because reports omit certificates for so many vertices")
 
 
@@ -85,7 +93,7 @@ def overdetermined(more: int, residual: float) -> Certificate:
     """Failed certificate of an overdetermined problem, given its residual in mean edge lengths."""
     open_question = (
         "so that nearly all lengths have no exact surface, and within rounding none can be proven to exist"
-        if residual < HIDDEN
+        if residual < 1e-10  # within the effect of rounding
         else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths: no rounding"
     )
     return Certificate(
@@ -123,38 +131,25 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
         residuals = metric.space.distances(vertices[a], vertices[b]) - metric.lengths
         return overdetermined(-motions, float(np.abs(residuals).max() / metric.mean_length))
     errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
-    found: dict[str, Any] = {}
-    try:
-        crossing = _prove(metric.normalized, vertices / metric.unit, errors, found)
-    except NotProven as obstacle:
-        return Certificate(False, f"not certified, because {obstacle}", **found)
-    faces = f"faces {crossing} may cross" if crossing else "its faces do not cross"
-    others = (
-        f"in a family with {motions} parameter{'' if motions == 1 else 's'}"
-        if motions
-        else f"and any other at least {rounded_down(found['isolation'])} from it"
-    )
-    reason = (
-        f"certified: a realization of these lengths is within {rounded_up(found['radius'])} mean edge "
-        f"lengths of the vertices, {others}; {faces}"
-    )
-    return Certificate(True, reason, **found)
+    return Certificate._of(partial(_prove, metric.normalized, vertices / metric.unit, errors))
 
 
-def _prove(
-    metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]
-) -> list[int] | None:
-    """Carry out the proof for a normalized metric: record its constants, return two faces that may cross.
-
-    Raises
-    ------
-    NotProven
-    """
+def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]) -> str:
+    """Prove for a normalized metric: record constants, return the statement; raises NotProven."""
+    t = metric.triangulation
+    motions = 3 * t.n_vertices - 6 - t.n_edges
     nearby = NearbyRealization.of(metric, x, length_errors, found)
     found["kantorovich"], radius = nearby.newton_kantorovich()
     found["radius"] = GUARD * nearby.distance(radius) / metric.mean_length
-    if metric.triangulation.n_edges == 3 * metric.triangulation.n_vertices - 6:
+    if motions:
+        others = f"in a family with {counted(motions, 'parameter')}"
+    else:
         found["isolation"] = nearby.isolation(radius) / (GUARD * metric.mean_length)
+        others = f"and any other at least {rounded_down(found['isolation'])} from it"
     pairs = self_intersections(metric.faces, nearby.equations.straight[0], nearby.reach(radius))
     found["embedded"] = len(pairs) == 0
-    return pairs[0].tolist() if len(pairs) else None
+    return (
+        f"a realization of these lengths is within {rounded_up(found['radius'])} mean edge lengths of the "
+        f"vertices, {others}; "
+        + (f"faces {pairs[0].tolist()} may cross" if len(pairs) else "its faces do not cross")
+    )

@@ -34,7 +34,6 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.certificate import Certificate
-from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_hulls import folds_of_polygons, prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization, norm
 from isoembed.proof.rounding import GUARD, U
@@ -92,29 +91,23 @@ def certify(
     ConvexCertificate
     """
     errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
-    found: dict[str, Any] = {}
-    try:
+
+    def prove(found: dict[str, Any]) -> str:
         distance = _prove(metric.normalized, vertices / metric.unit, errors, found) * metric.unit
-    except NotProven as obstacle:
-        return ConvexCertificate(False, f"not certified, because {obstacle}", **found)
-    found["distance"] = distance = float(np.nextafter(distance, np.inf))
-    flat = found["flat_edges"]
-    within = f", but across {flat} diagonals of polygons that are flat up to rounding" if flat else ""
-    reason = (
-        f"certified: the vertices are within {rounded_up(distance)} of those of the convex polyhedron of the "
-        f"metric, whose exterior dihedral angles are at least {rounded_down(found['smallest_dihedral'])}"
-        f"{within}"
-    )
-    return ConvexCertificate(True, reason, **found)
+        found["distance"] = distance = float(np.nextafter(distance, np.inf))
+        flat = found["flat_edges"]
+        within = f", but across {flat} diagonals of polygons that are flat up to rounding" if flat else ""
+        return (
+            f"the vertices are within {rounded_up(distance)} of those of the convex polyhedron of the "
+            f"metric, whose exterior dihedral angles are at least {rounded_down(found['smallest_dihedral'])}"
+            f"{within}"
+        )
+
+    return ConvexCertificate._of(prove)
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]) -> float:
-    """Carry out the proof for a normalized metric: return the distance, and record the other constants.
-
-    Raises
-    ------
-    NotProven
-    """
+    """Prove for a normalized metric: record constants, return the distance; raises NotProven."""
     nearby = NearbyRealization.of(metric, x, length_errors, found)
     equations = nearby.equations
     found["kantorovich"], radius = nearby.newton_kantorovich()

@@ -13,13 +13,6 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
-MOST_VERTICES = 300
-"""Largest number of vertices for the search of flexes, which decomposes J as a dense matrix."""
-
-STEPS_TRIED = (0.02, 0.005, 0.001)
-"""Maximum displacements per step, in mean edge lengths, tried in turn: Newton's method follows curved paths
-only in short steps."""
-
 STEPS = 10
 
 KEPT = 1e-12
@@ -38,7 +31,8 @@ def described_flex(triangulation: Triangulation, surface: Projected, lengths: Fl
         Edge lengths of the surface.
     """
     x = surface.vertices
-    if len(x) > MOST_VERTICES or not surface.space.is_euclidean:
+    # J is decomposed as a dense matrix.
+    if len(x) > 300 or not surface.space.is_euclidean:
         return None
     motions = _infinitesimal_flexes(triangulation, surface, lengths)
     if not len(motions):
@@ -46,7 +40,8 @@ def described_flex(triangulation: Triangulation, surface: Projected, lengths: Fl
     unit = float(lengths.mean())
     if len(motions) > 1:
         return f"{len(motions)} independent motions of its vertices change no length to first order"
-    for step in STEPS_TRIED:
+    # Maximum displacements per step, in mean edge lengths: curved paths are followed only in short steps.
+    for step in (0.02, 0.005, 0.001):
         residual, arrived = _followed(triangulation, surface, lengths, motions[0], step)
         if arrived:
             return (

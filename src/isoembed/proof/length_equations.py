@@ -29,7 +29,6 @@ from isoembed.space import Space
 from isoembed.space.models import to_model
 
 LONGEST = 10.0  # radii of curvature: the chord series of longer edges is long
-NEARBY = 2e-5  # size of the neighborhood with bounded derivatives, in min(m, 2 - m) and radii of curvature
 
 
 class NotProven(ArithmeticError):  # noqa: N818 - the outcome
@@ -94,7 +93,7 @@ class LengthEquations:
         if self.space.is_euclidean:
             return np.inf
         m = self.densities
-        return NEARBY * float(min(1.0, m.min(), 2 - m.max())) * self.space.radius
+        return 2e-5 * float(min(1.0, m.min(), 2 - m.max())) * self.space.radius
 
     @cached_property
     def _near_densities(self) -> tuple[Floats, Floats]:

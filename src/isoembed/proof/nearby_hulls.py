@@ -50,10 +50,6 @@ from isoembed.surface.measures import face_normals
 # some twenty roundings, and the sum of the six magnitudes is at most twice that product.
 TRIPLE = 64 * U
 
-# A diagonal with a smaller concave angle, in radians, may cross a polygon bent inward by rounding, which is
-# then tried as a cell.  This only bounds the search; the proof covers any dent.
-DENTED = 1e-4
-
 
 @dataclass(frozen=True, eq=False)
 class NearbyHulls:
@@ -171,7 +167,9 @@ class _Roofs:
 
 
 def _check_edges(t: Triangulation, roofs: _Roofs) -> None:
-    concave = roofs.sines < -roofs.errors - DENTED
+    # A diagonal with a smaller concave angle may cross a polygon bent inward by rounding, which is then tried
+    # as a cell.  This only bounds the search; the proof covers any dent.
+    concave = roofs.sines < -roofs.errors - 1e-4
     if concave.any():
         e = int(np.argmax(concave))
         raise NotProven(

@@ -18,13 +18,6 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.charts import Charts
 from isoembed.surface.measures import vertex_normals
 
-CUBIC = 11  # minimum number of neighbors for cubic fits at interior vertices
-STABILIZER = 0.1  # weight of the fit residuals in the form, controlling modes without second derivatives
-# Factor of that weight at a boundary, where K is not given and k1^2 + k2^2 could fall below 2 |K|.  Residuals
-# of smooth surfaces are of third order in the mesh size, and so is the error of the energy.
-AT_BOUNDARY = 200.0
-NEAR = 0.3  # weights of the fits are 1 / (0.3 + r^2), with r in mean distances of near neighbors
-
 
 class BendingEnergy:
     """Bending energy ``1/4 int |II|^2 dA`` of surfaces with the lengths of a metric.
@@ -59,7 +52,7 @@ class BendingEnergy:
         self.areas = areas
         counts = np.bincount(charts.centers, minlength=n)
         begins = np.cumsum(counts) - counts
-        cubic = inside & (counts >= CUBIC)
+        cubic = inside & (counts >= 11)  # with fewer neighbors fits are quadratic
         parts = []
         for m in np.unique(counts):
             for with_cubics in (False, True):
@@ -75,7 +68,9 @@ class BendingEnergy:
         self.stabilizer = csr_array(S.T @ S)
         fits = [(at, second) for at, _, second, _ in parts] + [(at, misfits) for at, _, _, misfits in parts]
         self.row_centers = np.concatenate([np.repeat(at, block.shape[1]) for at, block in fits])
-        stiff = np.where(t.boundary_vertices, np.sqrt(AT_BOUNDARY), 1.0)[self.row_centers[D.shape[0] :]]
+        # At a boundary K is not given, and k1^2 + k2^2 could fall below 2 |K|.  Residuals of smooth surfaces
+        # are of third order in the mesh size, and so is the error of the energy.
+        stiff = np.where(t.boundary_vertices, np.sqrt(200.0), 1.0)[self.row_centers[D.shape[0] :]]
         self.rows = csr_array(vstack([D, diags_array(stiff) @ S], format="csr"))
         self.form = csr_array(self.rows.T @ self.rows)
 
@@ -122,7 +117,7 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
     # A mean of distances dominated by small ones: the minimum is not a smooth function of the lengths.
     h = ((positions**2).sum(axis=2) ** -2).mean(axis=1) ** -0.25
     u, v = np.moveaxis(positions / h[:, None, None], 2, 0)
-    weights = 1 / (NEAR + u * u + v * v)
+    weights = 1 / (0.3 + u * u + v * v)
     linear, monomials = [u, v], [u * u / 2, u * v, v * v / 2]
     if cubic:
         monomials += [u**3, u * u * v, u * v * v, v**3]
@@ -135,7 +130,8 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
     size = np.sqrt(areas) / h**2 / 2
     second = G[:, :3] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
     residual_map = residual_map @ (np.eye(positions.shape[1]) - M @ G)
-    return second, residual_map * (weights * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
+    # A tenth of the fit residuals in the form controls modes without second derivatives.
+    return second, residual_map * (weights * (size * np.sqrt(0.1))[:, None])[:, :, None]
 
 
 def _fit_residuals(monomials: Floats, weights: Floats) -> Floats:

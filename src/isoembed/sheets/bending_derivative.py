@@ -15,8 +15,6 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.charts import Charts
 
-STEP = 1e-6  # relative to a length: balances truncation and rounding errors
-
 
 def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_array:
     """Derivatives of the energy gradient ``2 Q x`` with respect to the lengths at fixed vertices, (3 V, E).
@@ -35,7 +33,8 @@ def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_
         owner = np.full(t.n_vertices, -1)  # the edge changed in each chart
         rows, columns = edges[:, np.flatnonzero(mine)].nonzero()
         owner[rows] = np.flatnonzero(mine)[columns]
-        steps = np.where(mine, STEP * metric.lengths, 0.0)
+        # The step balances truncation and rounding errors.
+        steps = np.where(mine, 1e-6 * metric.lengths, 0.0)
         (at, centers, forward), (_, _, backward) = (
             _chart_forces(BendingEnergy(metric.with_lengths(metric.lengths + sign * steps)), vertices)
             for sign in (1.0, -1.0)

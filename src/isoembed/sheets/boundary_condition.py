@@ -15,8 +15,6 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.surface import SheetEmbedding
 
-FAR = 1e-6  # mean edge lengths: larger differences of heights are errors
-
 
 def with_boundary_condition(
     surface: SheetEmbedding, condition: str, heights: Floats | None = None
@@ -41,7 +39,7 @@ def with_boundary_condition(
         loop = np.concatenate(surface.triangulation.boundaries)
         off = surface.vertices[loop, 2] - heights
         off = np.abs(off - off.mean())
-        if off.max() > FAR * surface.metric.mean_length:
+        if off.max() > 1e-6 * surface.metric.mean_length:
             k = int(np.argmax(off))
             raise InvalidParameter(
                 f"the boundary does not have the heights of {condition!r}: its vertex {loop[k]} is off "

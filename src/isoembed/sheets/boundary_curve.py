@@ -31,17 +31,7 @@ from isoembed.surface.vertex_system import HeldVertices
 
 STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # successive epsilon over the area
 BUMPED = 1e-4  # initial value for a start with a bump, which thicker sheets would flatten
-THIN = 1e-5  # initial value if the bump is still flattened
-BUMP = 0.3  # height of a bump over the radius of the curve
-STABILIZERS = 10, 100  # factors of the stabilizer in the bending form
 SMOOTHEST = tuple(10.0**-k for k in range(5, 12))  # epsilon over the area, without bending
-DESCENT = 15  # maximum number of Newton steps for each
-SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
-NEWTON = 40  # maximum number of steps without bending
-LESS = 0.99  # ratio of energies below which a surface is an improvement
-ROUNDS = 40  # maximum number of reflected vertices
-REFLECTED = 16  # vertices whose reflections are tried in each order
-BETTER = 0.9  # ratio of the sums of squares below which a reflection is an improvement
 FLAT = 1e-6  # thickness over size below which a curve is planar
 
 
@@ -69,7 +59,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     else:  # for a planar curve the harmonic surface is flat, and would stay so
         raised = np.outer(bump, upward)
         yield vertices + height_with_area(lengths, vertices, raised) * raised, BUMPED
-    height = BUMP * float(np.linalg.norm(curve, axis=1).max())
+    height = 0.3 * float(np.linalg.norm(curve, axis=1).max())  # of bumps
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
         largest = float(np.abs(shape).max())
@@ -122,22 +112,22 @@ def through_curve(
         """Elastic sheets, each with an initial surface and the first epsilon over the area."""
         first, *bumped = starts(lengths, boundary, inside)
         sheets = []
-        for times in STABILIZERS:
+        for times in (10, 100):  # factors of the stabilizer in the bending form
             form = csr_array(energy.form + (times - 1) * energy.stabilizer)
             sheets.append(ElasticSheet(lengths, form, clamped, recorder))
             yield sheets[-1], *first
         for each in bumped:
             yield sheets[0], *each
         for x, _ in bumped:
-            yield sheets[0], x, THIN
+            yield sheets[0], x, 1e-5  # if the bump is still flattened
 
     def released(x: Floats) -> Floats:
         for stiffness in SMOOTHEST:
-            x = smooth.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+            x = smooth.relaxed(x, stiffness * energy.area, 15)
         return settled(x)
 
     def settled(x: Floats) -> Floats:
-        return smooth.relaxed(x, 0.0, NEWTON, 1e-14)
+        return smooth.relaxed(x, 0.0, 40, 1e-14)
 
     def squares(x: Floats) -> float:
         r = lengths.residuals(x)[inner]
@@ -153,10 +143,10 @@ def through_curve(
             passed = [x]
             for stiffness in STIFFNESSES:
                 if stiffness <= first:
-                    x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+                    x = sheet.relaxed(x, stiffness * energy.area, 15)
                     passed.append(x)
             value = sheet.value(x, STIFFNESSES[-1] * energy.area)
-            if not value < LESS * lowest.get(sheet, np.inf):  # no improvement
+            if not value < 0.99 * lowest.get(sheet, np.inf):  # no improvement
                 continue
             lowest[sheet], x = value, released(x)
             if squares(x) < fewest:
@@ -170,7 +160,7 @@ def through_curve(
     else:
         x = released(np.where(inside[:, None], start, boundary))
     unreflected = x
-    for _ in range(ROUNDS):
+    for _ in range(40):  # reflected vertices at most
         if is_realized(x):
             break
         moves, best = reflections(t, x), x
@@ -182,7 +172,7 @@ def through_curve(
                 best = y
             if is_realized(y):
                 break
-        if not squares(best) < BETTER * squares(x):
+        if not squares(best) < 0.9 * squares(x):
             break
         x = best
     if is_realized(x):
@@ -212,5 +202,5 @@ def _doubtful(lengths: LengthConstraints, x: Floats, moves: Floats) -> list[int]
     residual_sums = np.abs(t.incidence) @ r**2
     residual_sums += t.adjacency @ residual_sums
     orders = shallow(t, x, lengths.lengths, r, moves), np.argsort(-residual_sums)
-    inside = [order[~t.boundary_vertices[order]][:REFLECTED] for order in orders]
+    inside = [order[~t.boundary_vertices[order]][:16] for order in orders]
     return list(dict.fromkeys(np.concatenate(inside).tolist()))

@@ -16,19 +16,12 @@ from isoembed.arrays import Floats
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.boundary_curve import height_with_area
-from isoembed.sheets.elastic_sheet import ElasticSheet
-from isoembed.sheets.least_bending import STIFFNESSES
+from isoembed.sheets.least_bending import STIFFNESSES, elastic_sheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.multidimensional_scaling import scaled_distances
-from isoembed.surface.vertex_system import HeldTriangle
 
 MODES = 3
-THIN = 0.2  # relative to the critical epsilon of the flat sheet: with more, other starts may become flat
-DESCENT = 20  # maximum number of Newton steps in the plane
-SETTLED = 1e-3  # mean edge lengths: a shorter step ends them
-APART = 0.9  # ratio of successive epsilons: closer ones belong to the same mode, rotated
 SOUGHT = 4  # number of computed eigenvectors over MODES
-HELD = 1e-6  # shift relative to the bending form, against rigid motions of the plane
 
 
 def buckled(
@@ -43,24 +36,27 @@ def buckled(
     if t.genus or t.n_vertices <= SOUGHT * MODES:
         return [], STIFFNESSES
     flat = scaled_distances(metric)[:, ::-1] * [1.0, 1.0, 0.0]
-    sheet = ElasticSheet(lengths, energy.form, HeldTriangle.of(flat, t.faces[0]), recorder)
-    flat = sheet.relaxed(flat, STIFFNESSES[0] * energy.area, DESCENT, SETTLED)
+    sheet = elastic_sheet(energy, lengths, flat, recorder)
+    flat = sheet.relaxed(flat, STIFFNESSES[0] * energy.area, 20, 1e-3)
     a, b, c = flat[t.faces].transpose(1, 0, 2)
     signed = np.cross(b - a, c - a)[:, 2]
     if signed.min() < 0 < signed.max():
         return [], STIFFNESSES
     stress = lengths.residuals(flat) / metric.lengths
     compression = csc_array(-(t.incidence @ diags_array(stress) @ t.incidence.T))
-    weights = HELD * float(energy.form.diagonal().mean()) / energy.areas.mean() * energy.areas
+    # A small shift removes the rigid motions of the plane.
+    weights = 1e-6 * float(energy.form.diagonal().mean()) / energy.areas.mean() * energy.areas
     stiffness = csc_array(2 * energy.form + diags_array(weights))
     random = np.random.default_rng(0).normal(size=t.n_vertices)
     found, modes = eigsh(compression, SOUGHT * MODES, stiffness, which="LA", v0=random)
     starts: list[Floats] = []
     last = np.inf
     for k in np.argsort(-found):
-        if len(starts) < MODES and STIFFNESSES[-1] * energy.area < found[k] < APART * last:
+        # Closer epsilons belong to the same mode, rotated.
+        if len(starts) < MODES and STIFFNESSES[-1] * energy.area < found[k] < 0.9 * last:
             last = float(found[k])
             shape = np.outer(modes[:, k] / np.abs(modes[:, k]).max(), [0.0, 0.0, 1.0])
             starts.append(flat + height_with_area(lengths, flat, shape) * shape)
-    thin = tuple(s for s in STIFFNESSES if s * energy.area < THIN * found.max())
+    # Closer to the critical epsilon of the flat sheet, other starts may become flat.
+    thin = tuple(s for s in STIFFNESSES if s * energy.area < 0.2 * found.max())
     return starts, thin or STIFFNESSES

@@ -10,8 +10,6 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-CLEAR = 0.1  # least distance of unfolded vertices from the center, in distances of the nearest neighbor
-
 
 @dataclass(frozen=True, eq=False)
 class Charts:
@@ -74,7 +72,8 @@ class Charts:
         nearest = np.full(n, np.inf)
         np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))
         # Around a sharp corner a vertex may be unfolded to either side of the center, or onto it.
-        is_clear = np.linalg.norm(means, axis=1) > CLEAR * nearest[once // n]
+        # Unfolded vertices keep a tenth of the distance of the nearest neighbor from the center.
+        is_clear = np.linalg.norm(means, axis=1) > 0.1 * nearest[once // n]
         keys = np.concatenate([keys, once[is_clear]])
         positions = np.concatenate([ring[2], means[is_clear]])
         order = np.argsort(keys, kind="stable")

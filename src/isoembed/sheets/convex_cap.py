@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.convexity import deficit_spread
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
@@ -25,14 +26,11 @@ from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
-from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.length_constraints import EXACT, LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
-EXPLAINED = 2.0  # standard deviations of angles that errors of the lengths explain
-STEPS = 60  # maximum number of Newton steps
 ANY_CURVATURE = "positions (B, 3) of the boundary allow any curvature, boundary='free' prescribes none"
-EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
 
 
 def check_disc(metric: PolyhedralMetric) -> None:
@@ -62,7 +60,8 @@ def check_cap(metric: PolyhedralMetric, tolerance: float = 0.0) -> None:
     t = metric.triangulation
     found = deficits(metric)
     spread = deficit_spread(t.faces, metric.face_lengths, t.sides_across)
-    beyond = np.minimum(found + np.maximum(ANGLE_ROUNDING, EXPLAINED * tolerance * spread), 0.0)
+    # Two standard deviations are explained by errors of the lengths.
+    beyond = np.minimum(found + np.maximum(ANGLE_ROUNDING, 2.0 * tolerance * spread), 0.0)
     worst = int(np.argmin(beyond))
     if beyond[worst] < 0:
         quantity = "exterior angle of the boundary" if t.boundary_vertices[worst] else "deficit"
@@ -72,13 +71,19 @@ def check_cap(metric: PolyhedralMetric, tolerance: float = 0.0) -> None:
         )
 
 
+def copied_vertices(triangulation: Triangulation) -> Indices:
+    """Mirror image of each vertex in the double of a disc, (V,); those of its boundary are their own."""
+    t = triangulation
+    inside = np.flatnonzero(~t.boundary_vertices)
+    copied = np.arange(t.n_vertices)
+    copied[inside] = t.n_vertices + np.arange(len(inside))
+    return copied
+
+
 def doubled(metric: PolyhedralMetric) -> GluedMetric:
     """Double of a disc: two mirror images glued along the boundary, the first with the given indices."""
     t = metric.triangulation
-    n, count = t.n_vertices, t.n_faces
-    boundary = t.boundary_vertices
-    copied = np.arange(n)
-    copied[~boundary] = n + np.arange((~boundary).sum())
+    count, copied = t.n_faces, copied_vertices(t)
     faces = np.concatenate([t.faces, copied[t.faces[:, ::-1]]])
     # Side c of a face, from corner c to the next, is side (4 - c) % 3 of its mirror image.
     h = np.arange(3 * count)
@@ -155,5 +160,5 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
         LineSearch(decrease=0.1, shortest=2.0**-11),
         norm=lambda p: float(np.linalg.norm(p.residual)),
         converged=lambda p, *_: largest(p) < EXACT * metric.mean_length,
-        max_iterations=STEPS,
+        max_iterations=60,
     ).point.x

@@ -16,8 +16,6 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
-CHORDS = 3  # maximum number of steps with the factors of the last Newton step
-
 
 class ElasticSheet:
     """Energy ``sum r^2 / 2 + epsilon tr(x^T Q x)`` of surfaces, with length residuals r.
@@ -45,8 +43,8 @@ class ElasticSheet:
     def _value(self, p: Point, epsilon: float) -> float:
         return float(p.residual @ p.residual) / 2 + epsilon * float(np.sum(p.x * (self.form @ p.x)))
 
-    def relaxed(self, start: Floats, epsilon: float, max_iterations: int, shortest: float) -> Floats:
-        """Minimum near a starting surface, by Newton steps down to the length `shortest`."""
+    def relaxed(self, start: Floats, epsilon: float, max_iterations: int, shortest: float = 1e-6) -> Floats:
+        """Minimum near a starting surface, by Newton steps down to the length `shortest`, in mean edges."""
         unit = self.lengths.metric.mean_length
 
         def value(p: Point) -> float:
@@ -65,7 +63,7 @@ class ElasticSheet:
             def at(fraction: float) -> Point:
                 # Isometric motions are curved: chord steps with the same factors restore the lengths.
                 trial = moved(fraction * d)
-                for _ in range(CHORDS):
+                for _ in range(3):
                     left = self._gradient(trial, epsilon) - (1 - fraction) * gradient
                     back = factor.solve(left.ravel(), sweeps=0).reshape(-1, 3)
                     nearer = moved(p.x - trial.x + back)

@@ -6,8 +6,6 @@ import numpy as np
 
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-LEGS = 1.01  # legs of the filling triangles over the radius of the regular polygon with the same perimeter
-
 
 def filled(metric: PolyhedralMetric) -> PolyhedralMetric:
     """Metric with a nearly flat cone in each hole; the first vertices and faces are the given ones."""
@@ -20,5 +18,6 @@ def filled(metric: PolyhedralMetric) -> PolyhedralMetric:
         tip = np.full(len(loop), apex)
         faces.append(np.stack([after, loop, tip], axis=1))
         edges.append(np.stack([loop, tip], axis=1))
-        lengths.append(np.full(len(loop), max(LEGS * radius, 0.51 * float(sides.max()))))
+        # Legs hardly longer than the radius of the regular polygon with the same perimeter.
+        lengths.append(np.full(len(loop), max(1.01 * radius, 0.51 * float(sides.max()))))
     return PolyhedralMetric(np.concatenate(faces), np.concatenate(lengths), np.concatenate(edges))

@@ -21,24 +21,14 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
-from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.length_constraints import EXACT, LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # successive epsilon over the area
-TRIED = 20  # maximum number of Newton steps for each of several starts
-KEPT = 2  # starts kept for thick sheets
 DISTINCT = 1.0005, 1.05  # range of energies, over the least one, in which the second surface is kept
 THINNER = tuple(10.0**-k for k in range(10, 13))  # further epsilons if forces are not balanced
-DESCENT = 40  # maximum number of Newton steps for each
-SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
-NEWTON = 60  # maximum number of steps with the lengths as constraints
-AUGMENTED = 1e-10  # initial epsilon over the area in the matrix of these steps
 SEARCH = LineSearch(decrease=0.1, shortest=2.0**-7)
-SMALLER = 3  # number of successive tenths of epsilon tried
-STIFFER = 0.3, 1.0, 3.0, 10.0, 30.0  # multiples of the bending form added if the matrix is not definite
-ROUNDING = 1e-11  # tolerance of the imbalance
-EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,15 +57,20 @@ def thinned(
     stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> LeastBending:
     """Minimize the energy of successively thinner elastic sheets, from a start with any lengths."""
-    x = start
-    clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
-    sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
+    x, sheet = start, elastic_sheet(energy, lengths, start, recorder)
     recorder.show(vertices=x)
     for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
-        x = sheet.relaxed(x, epsilon, DESCENT, SETTLED)
+        x = sheet.relaxed(x, epsilon, 40)
         recorder.show(vertices=x)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
+
+
+def elastic_sheet(
+    energy: BendingEnergy, lengths: LengthConstraints, x: Floats, recorder: StageRecorder
+) -> ElasticSheet:
+    """Elastic sheet without rigid motions of its first triangle, which is that of x."""
+    return ElasticSheet(lengths, energy.form, HeldTriangle.of(x, lengths.triangulation.faces[0]), recorder)
 
 
 def most_promising(
@@ -102,12 +97,11 @@ def most_promising(
         epsilon = stiffness * energy.area
         tried = []
         for start, x in candidates:
-            clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
-            sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
-            x = sheet.relaxed(x, epsilon, TRIED, SETTLED)
+            sheet = elastic_sheet(energy, lengths, x, recorder)
+            x = sheet.relaxed(x, epsilon, 20)
             tried.append((sheet.value(x, epsilon), start, x))
         tried.sort(key=lambda each: each[0])
-        candidates = [(start, x) for _, start, x in tried[:KEPT]]
+        candidates = [(start, x) for _, start, x in tried[:2]]
     (lowest, best, _), (value, second, _) = tried[:2]
     return [best, second] if DISTINCT[0] < value / lowest < DISTINCT[1] else [best]
 
@@ -122,7 +116,7 @@ def balanced(
     """
     metric, t = energy.metric, lengths.triangulation
     system, clamped = VertexSystem(t, energy.form, recorder.work), HeldTriangle.of(start.vertices, t.faces[0])
-    epsilon = AUGMENTED * energy.area
+    epsilon = 1e-10 * energy.area
     size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # a single triangle has no bending
     x, y, unit = start.vertices, start.multipliers, metric.mean_length
 
@@ -131,7 +125,7 @@ def balanced(
 
     g, r = equations(x, y)
     imbalance = float(np.abs(g).max()) / size
-    for _ in range(NEWTON):
+    for _ in range(60):
         rows = edge_rows(t, x, metric.lengths)
         recorder.iterations += 1
         try:
@@ -150,7 +144,7 @@ def balanced(
         x, y = x + part * d, y + part * dy
         imbalance, residual = float(np.abs(g).max()) / size, float(np.abs(r).max()) / unit
         recorder.show(residual=residual, vertices=x)
-        if imbalance < ROUNDING and residual < EXACT:
+        if imbalance < 1e-11 and residual < EXACT:
             break
     return LeastBending(x, y, imbalance)
 
@@ -192,8 +186,9 @@ def _factored(
     Finer meshes need a smaller epsilon.  If there is none, the surface is not a minimum, and the bending form
     is made stiffer in these steps.
     """
-    smaller = ((epsilon * 0.1**k, 0.0) for k in range(SMALLER))
-    for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
+    smaller = ((epsilon * 0.1**k, 0.0) for k in range(3))
+    # If the matrix is not definite, multiples of the bending form are added.
+    for part, more in (*smaller, *((epsilon, more) for more in (0.3, 1.0, 3.0, 10.0, 30.0))):
         try:
             weight = 2 * part * (1 + more)
             return system.penalized(rows, weight, tensions=part * stress, clamped=clamped), part

@@ -9,6 +9,8 @@ from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
+EXACT = 1e-14  # mean edge lengths: residual of lengths, and of forces, at rounding
+
 
 class LengthConstraints:
     """Constraints ``r_e = (|x_a - x_b|^2 - l_e^2) / (2 l_e) = 0`` for the edges of a metric.

@@ -31,7 +31,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
+from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, copied_vertices, doubled, upright
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.piecewise_smoothness import piecewise_fit_residuals
@@ -39,9 +39,6 @@ from isoembed.surface.placement import turned_about_vertical
 
 if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
-
-CREASE = 5.0
-"""Bend of a double along its boundary, over that of other edges, that is no part of a smooth surface."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,8 +111,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             "a triangle has no vertices inside: its lengths determine it without a fit; length_errors=0 "
             "takes them as exact"
         )
-    copied = np.arange(n)
-    copied[inside] = n + np.arange(len(inside))
+    copied = copied_vertices(t)
     own = np.concatenate([np.arange(n), inside])
     closed = doubled(metric).simplicial()
     # Edges inside count twice there, and those of the boundary are to count as much.
@@ -144,7 +140,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             fit = fit_within_errors(unit, known, near, recorder, one_sided)
             found = measured_surface(unit, fit, name, tolerance)
             bends = np.abs(dihedral_angles(unit.triangulation, fit.vertices))
-            is_smooth = np.median(bends[rim]) < CREASE * np.median(bends[~rim])
+            # Sharper bends along the boundary are no part of a smooth surface.
+            is_smooth = np.median(bends[rim]) < 5.0 * np.median(bends[~rim])
             if is_smooth or is_off(found) or not found.converged:
                 other, error = fit_within_errors(unit, known, near, recorder), root_mean_square(known)
                 whole = measured_surface(unit, other, name, tolerance)

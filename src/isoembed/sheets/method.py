@@ -44,7 +44,6 @@ from isoembed.surface.measures import face_areas
 from isoembed.surface.placement import standard_sheet, turned_about_vertical
 
 CONDITIONS = "free", "plane"
-HEIGHTS = 5  # number of steps to raise the boundary
 EXACT = 1e-12  # residual of least bending, in mean edge lengths, that needs no refinement
 FLAT = 1e-15  # area over squared size of the start below which a triangle has no area
 SAME = 1e-6  # relative difference of energies below which surfaces are identical or mirror images
@@ -235,9 +234,7 @@ def _raised(
     half = vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
-        x = with_heights(metric, x, 0 * rise, recorder)
-        recorder.show(vertices=x)
-        for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if rise.any() else ():
+        for part in np.arange(6) / 5 if rise.any() else (0,):  # raises the boundary in five steps
             x = with_heights(metric, x, part * rise, recorder)
             recorder.show(vertices=x)
     x = turned_about_vertical(x, loop) + np.array([0.0, 0.0, level])
@@ -304,6 +301,7 @@ def _least_bending(
     if is_flexible:
         with log.stage("least bending") as recorder:
             sheets = _balanced(energy, lengths, sheets, recorder)
+    tried = f"{1 + len(starts)} starts" if starts else "one start"
     surfaces = []
     for found in sheets:
         if _residual(lengths, found.vertices) > EXACT:
@@ -314,18 +312,12 @@ def _least_bending(
             properties = {
                 "tensions": frozen(found.multipliers),
                 "imbalance": found.imbalance,
-                "uniqueness": _searched(1 + len(starts)),
+                "uniqueness": Evidence("searched", f"found from {tried}: other surfaces may bend less"),
             }
         x = aligned(found.vertices, start) if is_placed else standard_sheet(t, found.vertices)
         surfaces.append(_embedding(metric, x, tolerance, log, "free", **properties))
     surfaces.sort(key=_rank)
     return _beside(surfaces[0], surfaces[1:])._with_stages(log.stages)
-
-
-def _searched(count: int) -> Evidence:
-    """Evidence that a surface bends least, from the number of starts."""
-    starts = "one start" if count == 1 else f"{count} starts"
-    return Evidence("searched", f"found from {starts}: other surfaces may bend less")
 
 
 def _beside(best: SheetEmbedding, rest: list[SheetEmbedding]) -> SheetEmbedding:

@@ -18,12 +18,10 @@ from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.convex_cap import with_heights
 from isoembed.sheets.derivatives import SheetDerivatives, bending_factor
-from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.length_constraints import EXACT, LengthConstraints
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 
 STEPS = 30  # maximum number of Newton steps
-EXACT = 1e-14  # tolerance of the residual of lengths and forces, in mean edge lengths
-SETTLED = 1e-7  # mean edge lengths: a longer final step means that no minimum was found
 
 
 def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floats | None) -> SheetEmbedding:
@@ -118,4 +116,5 @@ def _least_squares(metric: PolyhedralMetric, start: Floats) -> tuple[Floats, boo
     ).point.x
     # Rounding limits the decrease of the squares before the gradient: one more step doubles the digits.
     step = solve(x, lengths.residuals(x))
-    return x - step, bool(np.abs(step).max() <= SETTLED * metric.mean_length)
+    # A longer final step means that no minimum was found.
+    return x - step, bool(np.abs(step).max() <= 1e-7 * metric.mean_length)

@@ -13,9 +13,6 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
-STEPS = 30  # maximum number of Newton steps
-EXACT = 1e-15  # tolerance of the residual, in mean edge lengths
-
 
 def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: StageRecorder) -> Floats:
     """Vertices with the given lengths, exactly or in least squares, near the start.
@@ -53,6 +50,6 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
         lengths.residuals,
         solve,
         contraction(1.0),
-        converged=below(EXACT * metric.mean_length),
-        max_iterations=STEPS,
+        converged=below(1e-15 * metric.mean_length),
+        max_iterations=30,
     ).point.x

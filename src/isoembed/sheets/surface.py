@@ -27,7 +27,6 @@ BALANCED = 1e-6  # largest imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; about 1 for a radius of curvature equal to the width
 ROUGH = 0.08  # fraction of rough edges: up to .05 on smooth sheets with K < 0, .1 to .25 on crumpled ones
 MEASURED = 1e-9  # mean edge lengths: with a given curve, larger residuals are errors of the lengths
-TOO_LITTLE = 0.95  # energy over the minimum of smooth surfaces below which the mesh is too coarse
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,11 +127,10 @@ class SheetEmbedding(Embedding):
 
     def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
         """Return a surface with other vertices, not a solution, with the curvature fits of this one."""
-        assert isinstance(self.surface, SheetSurface)
         found = SheetEmbedding(
             self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
         )
-        found.surface.__dict__["_energy"] = self.surface._energy
+        found.surface.__dict__["_energy"] = self._sheet._energy
         return found
 
     def _in_unit_of(self, target: Any) -> SheetEmbedding:
@@ -145,12 +143,7 @@ class SheetEmbedding(Embedding):
         return found
 
     def _sentence(self) -> str:
-        e = int(np.argmax(self.residuals))
-        return (
-            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
-            f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}{self._trust()}{self._sides()}"
-        )
+        return f"{self._on_residual}{self._trust()}{self._sides()}"
 
     @property
     def _takes_length_errors(self) -> bool:
@@ -196,7 +189,8 @@ class SheetEmbedding(Embedding):
                 "the bending energy is not at a minimum, and the shape may be wrong: the forces are "
                 f"balanced only to {self.imbalance:.0e}"
             )
-        if self.second_form_energy < TOO_LITTLE * 2 * self.total_absolute_curvature:
+        # Smooth surfaces have at least twice the curvature, and good meshes of them nearly so.
+        if self.second_form_energy < 0.95 * 2 * self.total_absolute_curvature:
             clauses.append(
                 "the mesh is too coarse to determine the bending energy: int k1^2 + k2^2 dA is "
                 f"computed as {self.second_form_energy:.3g}, and no smooth surface has less than 2 int "
@@ -225,10 +219,14 @@ class SheetEmbedding(Embedding):
         return super()._made_surface(SheetSurface, metric=self.metric.normalized, **more)
 
     @property
+    def _sheet(self) -> SheetSurface:
+        assert isinstance(self.surface, SheetSurface)
+        return self.surface
+
+    @property
     def second_form_energy(self) -> float:
         """Integral of k1^2 + k2^2 dA."""
-        assert isinstance(self.surface, SheetSurface)
-        return self.surface.second_form_energy
+        return self._sheet.second_form_energy
 
     @cached_property
     def total_absolute_curvature(self) -> float:
@@ -239,8 +237,7 @@ class SheetEmbedding(Embedding):
         integral under refinement, like the energy to its own limit: for a given mesh, the energy may be less
         than twice the estimate.
         """
-        assert isinstance(self.surface, SheetSurface)
-        t, areas = self.triangulation, self.surface._energy.areas
+        t, areas = self.triangulation, self._sheet._energy.areas
         inside = (~t.boundary_vertices).astype(np.float64)
         curvature = inside * np.abs(deficits(self.metric.normalized)) / areas
         beside = t.adjacency @ curvature / np.maximum(t.adjacency @ inside, 1.0)
@@ -275,9 +272,7 @@ class SheetEmbedding(Embedding):
         """Derivatives of the fitted mean curvature."""
         from isoembed.sheets.fitted_curvature import FittedCurvatureRates
 
-        surface = self.surface
-        assert isinstance(surface, SheetSurface)
-        return FittedCurvatureRates(self.triangulation, surface._normalized, surface._energy)
+        return FittedCurvatureRates(self.triangulation, self._sheet._normalized, self._sheet._energy)
 
     @property
     def _reported(self) -> Mapping[str, Any]:
@@ -291,12 +286,8 @@ class SheetEmbedding(Embedding):
             "total_absolute_curvature": self.total_absolute_curvature,
             "imbalance": self.imbalance,
         }
-        assert isinstance(self.surface, SheetSurface)
-        return (
-            {"sheet": found}
-            if self.surface._above_boundary is None
-            else {"sheet": found, "volume": self.volume}
-        )
+        has_volume = self._sheet._above_boundary is not None
+        return {"sheet": found, "volume": self.volume} if has_volume else {"sheet": found}
 
 
 def _heights(x: Floats, boundary: Mask) -> Floats:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -29,7 +29,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.band import Band, checked_angles
-from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, Samples, fitted
+from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, Samples, fitted, value_at
 from isoembed.smooth.two_metric import (
     NEAR_POLE,
     AngleMetric,
@@ -126,7 +126,7 @@ class AxisymmetricEmbedding:
         length_error = 20.0 * float(getattr(metric, "error", EXACT).pointwise)
         cones = []
         for name, x in (("south", -1.0), ("north", 1.0)):
-            t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
+            t, p, q = (value_at(f, x) for f in (T, P, Q))
             # A larger difference of T and P at a pole is a cone.
             allowed = max(1e-7, 10.0 * resolution, length_error) * p
             cones.append(p - t)
@@ -237,9 +237,7 @@ class AxisymmetricEmbedding:
         def bound(x: Floats) -> Floats:
             return self._terms(x)[0] / (self.T(x) * self.P(x)) + self._k
 
-        def at(y: float) -> float:
-            return float(bound(np.array([y]))[0])
-
+        at = partial(value_at, bound)
         x = self._samples
         values = bound(x)
         dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:]))
@@ -251,7 +249,7 @@ class AxisymmetricEmbedding:
                 float(minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded", options=options).x)
             )
         minimizer = min(places, key=at)
-        size = float((self.T(np.array([minimizer])) * self.P(np.array([minimizer])))[0])
+        size = value_at(self.T, minimizer) * value_at(self.P, minimizer)
         return at(minimizer) / self.unit / self.unit, self._noise / size / self.unit / self.unit
 
     @cached_property
@@ -364,7 +362,7 @@ class AxisymmetricEmbedding:
         # Absolute accuracy of angles: 1 is added for the scale.
         (density,), _ = fitted(lambda x: 1.0 + (slope(x) / self.P(x))[None, :], self.Q.breaks, weighted=True)
         below = density.primitive()
-        whole = float(below(np.array([1.0]))[0])
+        whole = value_at(below, 1.0)
         return lambda x: (whole - below(x)) - (1.0 - x)
 
     def _terms(self, x: Floats) -> tuple[Floats, Floats]:
@@ -404,11 +402,7 @@ class AxisymmetricEmbedding:
 
     def _negative(self, f: Callable[[Floats], Floats], scale: float) -> tuple[Interval, ...]:
         """Intervals of theta on which f(x) < 0 beyond rounding."""
-
-        def at(y: float) -> float:
-            return float(f(np.array([y]))[0])
-
-        x = self._samples
+        x, at = self._samples, partial(value_at, f)
         values = f(x)
         # f may have a pair of roots between samples where it is small compared with its differences.
         inner, smaller = values[1:-1], np.minimum(values[:-2], values[2:])

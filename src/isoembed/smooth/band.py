@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.smooth.piecewise import Piecewise, fitted
+from isoembed.smooth.piecewise import Piecewise, fitted, value_at
 
 if TYPE_CHECKING:
     from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
@@ -40,7 +40,7 @@ class Band:
     @property
     def height(self) -> float:
         """Extent along the axis, as an arc length."""
-        return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
+        return value_at(self._primitives[0], np.pi) * self.metric.unit
 
     @property
     def integrated_mean_curvature(self) -> float:
@@ -52,7 +52,7 @@ class Band:
         edges = np.array([self.start, self.stop])
         turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)
         before, after = turned * self.metric.rho(edges) / self.metric.unit
-        height, moment = (float(f(np.array([np.pi]))[0]) for f in self._primitives)
+        height, moment = (value_at(f, np.pi) for f in self._primitives)
         return np.pi * (height + float(after - before) - moment) * self.metric.unit
 
     def z(self, theta: ArrayLike) -> Floats:

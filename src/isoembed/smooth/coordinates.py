@@ -20,8 +20,6 @@ from isoembed.smooth.isometry import OVERSAMPLING
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.transforms import resized
 
-MAPS = ((1, 2.0), (4, 4.0))  # degree of a map, and the least factor by which it must reduce the energy
-
 
 def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap | None:
     """Map u = F(v) to directions u from directions v in which a surface needs far fewer harmonics.
@@ -47,7 +45,8 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
     """
     vertices = _Vertices.of(u, faces, points)
     best = initial = vertices.smoothed(SphereMap.linear(np.eye(3)))
-    for degree, gain in MAPS:
+    # A map of this degree must reduce the energy by at least this factor.
+    for degree, gain in ((1, 2.0), (4, 4.0)):
         # The round sphere has the least energy, 4 pi.
         if best.energy > gain * 4.0 * np.pi:
             found = vertices.lowered(best, Harmonics(degree, degree))

@@ -28,7 +28,6 @@ from isoembed.smooth.isometry import OVERSAMPLING, IsometrySystem, LinearizedStr
 from isoembed.smooth.sphere_map import metric_in
 from isoembed.smooth.transforms import resized
 
-LEAST_DEGREE = 16  # least default degree of displacements
 HIGHEST_DEGREE = 36  # limited by the size of the normal equations
 
 
@@ -70,7 +69,7 @@ class MetricDerivatives:
         InvalidParameter
             The surface is not in R^3 or misses its tolerance, or the degree is too high.
         """
-        degree = max(surface.harmonics.degree, LEAST_DEGREE if degree is None else degree)
+        degree = max(surface.harmonics.degree, 16 if degree is None else degree)
         if not surface.space.is_euclidean:
             raise InvalidParameter(
                 f"derivatives by the metric need surfaces in R^3, not in {surface.space!r}"

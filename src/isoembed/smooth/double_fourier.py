@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Indices, Mask, chunks
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of
 
@@ -288,8 +288,7 @@ def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
     width = w_column.shape[1]
     windows = sliding_window_view(table.reshape(n_rows, -1), (STENCIL, width * count))
     values = np.empty((len(rows), count))
-    for start in range(0, len(rows), CHUNK):
-        some = slice(start, start + CHUNK)
+    for some in chunks(len(rows), CHUNK):
         nodes = windows[i[some], j[some] * count]
         across = (w_row[some, None] @ nodes).reshape(-1, width, count)
         values[some] = (w_column[some, None] @ across)[:, 0]

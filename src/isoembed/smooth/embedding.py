@@ -213,7 +213,8 @@ class SmoothEmbedding:
         second = surface.second(frames @ pairs[:, [[0, 1], [1, 2]]] @ frames.transpose(0, 2, 1))
         g, stretch = surface.metric, surface.stretch
         # In two dimensions the inverse is the matrix of cofactors over the determinant, stretch^2.
-        inverse = _cofactors(g) / stretch[:, None, None] ** 2
+        cofactors = np.stack([g[:, 1, 1], -g[:, 0, 1], -g[:, 0, 1], g[:, 0, 0]], axis=1).reshape(-1, 2, 2)
+        inverse = cofactors / stretch[:, None, None] ** 2
         shape = inverse @ second
         H = 0.5 * np.einsum("naa->n", shape)
         lacking = np.eye(2) - g
@@ -282,14 +283,3 @@ class _Measures:
     least_curvature: float
     strain: float  # root mean square
     residual: float
-
-
-def _cofactors(matrices: Floats) -> Floats:
-    """Cofactors (n, 2, 2) of symmetric matrices."""
-    return np.stack(
-        [
-            np.stack([matrices[:, 1, 1], -matrices[:, 0, 1]], axis=1),
-            np.stack([-matrices[:, 0, 1], matrices[:, 0, 0]], axis=1),
-        ],
-        axis=1,
-    )

@@ -3,12 +3,11 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, chunks
 from isoembed.smooth.geodesics import definite_tensor, in_own_unit
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
 
 STEP = 2e-3  # in radians; balances truncation and rounding errors of the differences
-CHUNK = 4096  # directions at a time, to bound the memory
 AXIS = [(k, 0) for k in (-2, -1, 1, 2)] + [(0, k) for k in (-2, -1, 1, 2)]
 DIAGONAL = [(k, sign * k) for sign in (1, -1) for k in (-2, -1, 1, 2)]
 STENCIL = np.array([(0, 0), *AXIS, *DIAGONAL], dtype=np.float64)
@@ -48,8 +47,7 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
     if len(directions) == 0:
         return K
     unit, own = in_own_unit(metric, directions[:1])
-    for begin in range(0, len(directions), CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for part in chunks(len(directions), 4096):  # bounds the memory
         K[part] = _brioschi(_sampled(own, directions[part]))
     return K / unit / unit
 

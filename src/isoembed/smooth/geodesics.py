@@ -7,16 +7,14 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, chunks
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
 from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric, tensor_at
 
-CHUNK = 8192  # geodesics at a time, to bound the memory
 WIDEST = 170.0  # largest angle between the ends of a path, in degrees
 SIDEWAYS = 0.1  # half-width of strips about a path, in chords
 RESOLVED = 1e-6  # relative change of the length above which the nodes are doubled
-RADIAL = 1e-6  # largest q u, over the trace: more than rounding and numerical derivatives leave
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
@@ -64,8 +62,7 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     if len(P) == 0:
         return lengths
     unit, own = in_own_unit(metric, P[:1])
-    for begin in range(0, len(P), CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for part in chunks(len(P), 8192):  # bounds the memory
         lengths[part] = _lengths(own, P[part], Q[part])
     return unit * lengths
 
@@ -129,7 +126,8 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
             f"the metric {value} at theta = {theta:.6g}, phi = {phi:.6g}: it must be positive definite"
         )
     radial = np.einsum("nij,nj->ni", q, u)
-    tangent = np.abs(radial).max(axis=1) <= RADIAL * trace
+    # Rounding and numerical derivatives leave less.
+    tangent = np.abs(radial).max(axis=1) <= 1e-6 * trace
     if not tangent.all():
         i = int(np.argmin(tangent))
         raise InvalidMetric(

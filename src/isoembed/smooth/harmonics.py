@@ -10,10 +10,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, chunks
 from isoembed.smooth.loops import summed
-
-CHUNK = 2_000_000  # values of harmonics evaluated at a time, to bound the memory
 
 
 @dataclass(frozen=True)
@@ -102,9 +100,7 @@ class Harmonics:
         """
         n, k = tangents.shape[:2]
         out = np.empty((n, k, k, self.size if coefficients is None else coefficients.shape[1]))
-        chunk = max(1, CHUNK // self.size)
-        for begin in range(0, n, chunk):
-            part = slice(begin, begin + chunk)
+        for part in chunks(n, max(1, 2_000_000 // self.size)):  # bounds the memory
             tables = (table.T for table in self._evaluated(u[part], 2))
             _, *parts = (table if coefficients is None else table @ coefficients for table in tables)
             x, y, z, xx, xy, xz, yz, zz = parts

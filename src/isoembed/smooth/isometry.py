@@ -32,7 +32,6 @@ SEARCH = LineSearch(decrease=0.0, shortest=2.0**-10)
 LEVEL = 1.0 + 1e-6  # admissible growth of the error, which is stationary at the minimum
 NEAR = 1e-3  # relative step below which the normal equations are kept
 REFINEMENTS = 2  # steps of iterative refinement of displacements
-TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -322,7 +321,8 @@ class LinearizedStrains:
         d = self.solve(self._adjoint(wanted))
         for _ in range(REFINEMENTS):
             d = d + self.solve(self._adjoint(wanted - self._rates(d)))
-        left = float(np.linalg.norm(wanted - self._rates(d))) / max(float(np.linalg.norm(wanted)), TINY)
+        size = max(float(np.linalg.norm(wanted)), float(np.finfo(float).tiny))
+        left = float(np.linalg.norm(wanted - self._rates(d))) / size
         return self.system.unit * np.concatenate([np.zeros((1, 3)), d]), left
 
     def by_strains(self, gradient: Floats) -> Floats:

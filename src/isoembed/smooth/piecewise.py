@@ -12,7 +12,6 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 
 PIECE_DEGREE = 32  # higher degrees lose digits in differentiation
-MISSED = 100.0  # error between nodes, in tolerances, that is not that of the tail of a series
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +50,11 @@ class Piecewise:
         series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
         series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
         return Piecewise(self.breaks, series)
+
+
+def value_at(f: Callable[[Floats], Floats], x: float) -> float:
+    """Value of a function of arrays at one point."""
+    return float(f(np.array([x]))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +115,8 @@ def _bisected(
             tail = tail * (right - left) / total
         good = (tail <= tolerance).all(axis=0)
         if samples is not None and good.any():
-            good[good] = _agrees(series[:, :, good], left[good], right[good], samples, MISSED * tolerance)
+            # A larger error between nodes is not that of the tail of a series.
+            good[good] = _agrees(series[:, :, good], left[good], right[good], samples, 100.0 * tolerance)
         good |= right - left <= 1e-13 * total
         # Drop coefficients at rounding level, which differentiation would amplify.
         end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]

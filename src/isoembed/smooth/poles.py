@@ -46,14 +46,19 @@ class PoleSight:
     means: Floats
 
     @property
+    def _certain(self) -> Floats:
+        """Conflicts above their doubts; 0 for others."""
+        return np.where(self.conflicts > self.doubts, self.conflicts, 0.0)
+
+    @property
     def conflict(self) -> float:
         """Largest conflict above its doubt."""
-        return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)))
+        return float(np.max(self._certain))
 
     @property
     def jump(self) -> float:
         """Largest conflict of order 0 above its doubt: lengths at a pole disagree by at least half of it."""
-        return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)[:, 0]))
+        return float(np.max(self._certain[:, 0]))
 
     @property
     def misfits(self) -> Floats:

@@ -133,7 +133,11 @@ def embed_smooth(
         lengths_error = float(getattr(metric, "error", EXACT).pointwise)
     if not 0.0 <= lengths_error < np.inf:
         raise InvalidParameter(f"the lengths_error is {lengths_error!r}, not a finite number of at least 0")
-    obstructed = profile is not None and _is_obstructed(profile, lengths_error)
+    obstructed = (
+        profile is not None
+        and not profile.embeds
+        and (lengths_error == 0.0 or profile.is_obstructed_beyond(lengths_error))
+    )
     hindrance = _about(coordinates) + profile.explanation if profile is not None and obstructed else ""
     goal = _Goal(metric, space, coordinates, shape, tolerance, accuracy, hindrance, lengths_error)
     if profile is not None and hindrance:
@@ -219,7 +223,10 @@ class _Goal:
                 break
             if harmonics.degree >= HINDERED_DEGREE and self._is_in_vain(surface, residuals):
                 return self._judged(surface, residuals), residuals
-            carried = surface.residual <= 1e-3 and not self._has_left(surface)
+            # With K < k on the surface but not in the metric, few harmonics may favor another surface.
+            carried = surface.residual <= 1e-3 and not (
+                surface.least_curvature < self.space.curvature < self._least_curvature
+            )
         return surface, residuals
 
     def _attainable(self, surface: SmoothEmbedding) -> float:
@@ -250,10 +257,6 @@ class _Goal:
                 f"{_sign_of_curvature(self.metric, self.space)}"
             ),
         )
-
-    def _has_left(self, surface: SmoothEmbedding) -> bool:
-        """Whether K < k on the surface but not in the metric: few harmonics may favor another surface."""
-        return surface.least_curvature < self.space.curvature < self._least_curvature
 
     @cached_property
     def _least_curvature(self) -> float:
@@ -353,11 +356,6 @@ def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
         return AxisymmetricEmbedding.of(metric, space=space)
     except InvalidMetric:
         return None
-
-
-def _is_obstructed(profile: AxisymmetricEmbedding, error: float) -> bool:
-    """Whether no surface of revolution has the lengths of the metric within a relative error."""
-    return not profile.embeds and (error == 0.0 or profile.is_obstructed_beyond(error))
 
 
 def _search(best: SmoothEmbedding) -> Evidence:

@@ -16,7 +16,6 @@ from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, resized, trimmed
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
-ORDER = 2  # largest order of the Cartesian components of a tensor symmetric about the z-axis
 PAIRS = np.triu_indices(3)
 
 
@@ -67,7 +66,8 @@ def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, 
     symmetric = is_axisymmetric(metric)
     degree, max_degree = 16, 512 if symmetric else 64  # initial degree, which is doubled
     while True:
-        harmonics = Harmonics(degree, ORDER if symmetric else degree)
+        # Cartesian components of a tensor symmetric about the z-axis have orders of at most 2.
+        harmonics = Harmonics(degree, 2 if symmetric else degree)
         # 32 angles average out rounding.
         transform = SphereTransform(harmonics, degree + 1, max(2 * harmonics.order + 2, 32))
         coefficients = transform.analysis(metric.tensor(transform.u)[:, PAIRS[0], PAIRS[1]])

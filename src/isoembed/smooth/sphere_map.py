@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.mesh.triangulation import frozen
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
@@ -48,8 +49,7 @@ class SphereMap:
             raise InvalidParameter(
                 f"a map in {self.harmonics.size} harmonics takes as many triples, not {coefficients.shape}"
             )
-        coefficients.setflags(write=False)
-        object.__setattr__(self, "coefficients", coefficients)
+        object.__setattr__(self, "coefficients", frozen(coefficients))
         n = 3 * (self.harmonics.degree + 2)
         v, _ = gauss_rule(n, 2 * n)
         jacobian = self.jacobian(v)

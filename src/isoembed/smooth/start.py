@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.mesh.triangulation import frozen
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_map import SphereMap
@@ -39,8 +40,7 @@ class Start:
     def __post_init__(self) -> None:
         # Fixed memory layout, on which sums may depend, for bitwise reproducible results after restoring.
         coefficients = np.array(self.coefficients, dtype=np.float64, order="C")
-        coefficients.setflags(write=False)
-        object.__setattr__(self, "coefficients", coefficients)
+        object.__setattr__(self, "coefficients", frozen(coefficients))
 
     @classmethod
     def of(cls, surface: SmoothEmbedding | Start) -> Start:

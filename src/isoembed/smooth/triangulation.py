@@ -9,8 +9,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
-from isoembed.meshing.metric_relaxation import MetricMesh
+from isoembed.meshing.metric_relaxation import MetricMesh, angles_from_lengths
 from isoembed.meshing.sphere import angles_of, directions_at, fibonacci_lattice
 from isoembed.meshing.spreading import WHOLE, Cells, Zone, cell_centers, roundest_axis
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count

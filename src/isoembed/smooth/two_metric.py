@@ -19,7 +19,7 @@ from isoembed.smooth.user_functions import array_of, called, real_values
 
 NEAR_POLE = 1e-3  # sin(theta) below which components are extrapolated over the pole
 ROUNDING = 1e-12  # relative, of functions of directions
-METRIC_ROUNDING = 1e-11  # of metrics of surfaces in harmonics of degree 64, whose slopes magnify rounding
+IN_ANGLES = ("q_tt", "q_tp", "q_pp"), ("theta", "phi")
 
 
 class TwoMetric(Protocol):
@@ -71,14 +71,8 @@ class AngleMetric:
 
     def _away(self, u: Floats) -> Floats:
         theta, phi = angles_of(u)
-        tt, tp, pp = components_at(self, theta, phi)
-        good = are_definite(tt, tp, pp)
-        if not good.all():
-            i = int(np.argmin(good))
-            raise InvalidMetric(
-                f"q_tt, q_tp, q_pp = {tt[i]:.6g}, {tp[i]:.6g}, {pp[i]:.6g} at theta = {theta[i]:.6g}, "
-                f"phi = {phi[i]:.6g}: that is not a positive definite metric"
-            )
+        tt, tp, pp = q = components_at(self, theta, phi)
+        _check_definite(q, IN_ANGLES, theta, phi)
         sin = np.hypot(u[:, 0], u[:, 1])
         return from_angles(u, tt, tp / sin, pp / sin**2)
 
@@ -93,28 +87,28 @@ def components_at(metric: AngleMetric, theta: Floats, phi: Floats) -> Floats:
     InvalidParameter
         The function takes no arrays, or returns no real numbers.
     """
-    return _evaluated(metric.components, ("q_tt", "q_tp", "q_pp"), ("theta", "phi"), theta, phi)
+    return _evaluated(metric.components, IN_ANGLES, theta, phi)
 
 
 def _evaluated(
     components: Callable[[Floats, Floats], Any],
-    names: tuple[str, str, str],
-    coordinates: tuple[str, str],
+    names: tuple[tuple[str, str, str], tuple[str, str]],
     first: Floats,
     second: Floats,
 ) -> Floats:
-    """Values (3, n) of a function of two coordinates (n,); raises as `components_at`."""
+    """Values (3, n) of a function of two named coordinates (n,); raises as `components_at`."""
+    of_components, coordinates = names
     subject = "the function for the metric"
     result = called(subject, components, first, second)
     if not isinstance(result, tuple | list | np.ndarray) or len(result) != 3:
         shape = f" of shape {result.shape}" if isinstance(result, np.ndarray) else ""
         count = f" of length {len(result)}" if isinstance(result, tuple | list) else shape
         raise InvalidMetric(
-            f"{subject} returns a {type(result).__name__}{count}, not the three {', '.join(names[:2])} and "
-            f"{names[2]}"
+            f"{subject} returns a {type(result).__name__}{count}, not the three "
+            f"{', '.join(of_components[:2])} and {of_components[2]}"
         )
     q = np.empty((3, *first.shape))
-    for name, component, values in zip(names, result, q, strict=True):
+    for name, component, values in zip(of_components, result, q, strict=True):
         array = array_of(subject, component)
         if array.shape not in ((), (1,), first.shape):
             raise InvalidMetric(
@@ -128,6 +122,21 @@ def _evaluated(
                 f"{second[i]:.6g}: it must be finite"
             )
     return q
+
+
+def _check_definite(
+    q: Floats, names: tuple[tuple[str, str, str], tuple[str, str]], first: Floats, second: Floats
+) -> None:
+    """Check that components (3, n) are positive definite; raises InvalidMetric at the first that are not."""
+    good = are_definite(*q)
+    if not good.all():
+        i = int(np.argmin(good))
+        of_components, (one, other) = names
+        values = ", ".join(f"{x:.6g}" for x in q[:, i])
+        raise InvalidMetric(
+            f"{', '.join(of_components)} = {values} at {one} = {first[i]:.6g}, {other} = {second[i]:.6g}: "
+            "that is not a positive definite metric"
+        )
 
 
 @dataclass(frozen=True)
@@ -160,14 +169,9 @@ class ChartMetric:
             The function returns values that are not finite or not positive; the message names x and y.
         """
         x, y = self.coordinates(u).T
-        xx, xy, yy = _evaluated(self.components, ("g_xx", "g_xy", "g_yy"), ("x", "y"), x, y)
-        good = are_definite(xx, xy, yy)
-        if not good.all():
-            i = int(np.argmin(good))
-            raise InvalidMetric(
-                f"g_xx, g_xy, g_yy = {xx[i]:.6g}, {xy[i]:.6g}, {yy[i]:.6g} at x = {x[i]:.6g}, "
-                f"y = {y[i]:.6g}: that is not a positive definite metric"
-            )
+        names = ("g_xx", "g_xy", "g_yy"), ("x", "y")
+        xx, xy, yy = g = _evaluated(self.components, names, x, y)
+        _check_definite(g, names, x, y)
         _, phi = angles_of(u)
         cos, sin, stretch = np.cos(phi), np.sin(phi), 1.0 / np.sinc(np.hypot(x, y) / np.pi)
         tt = xx * cos**2 + 2.0 * xy * cos * sin + yy * sin**2
@@ -285,7 +289,8 @@ def is_axisymmetric(metric: TwoMetric) -> bool:
     Integrals over the surface are not changed to first order by a deviation, if they are means over phi.
     """
     check_two_metric(metric)
-    return is_symmetric_about_z(lambda u: angle_components(u, tensor_at(metric, u)), METRIC_ROUNDING)
+    # Slopes of surfaces in harmonics of degree 64 magnify rounding.
+    return is_symmetric_about_z(lambda u: angle_components(u, tensor_at(metric, u)), 1e-11)
 
 
 def is_symmetric_about_z(function: Callable[[Floats], Floats], rounding: float = ROUNDING) -> bool:

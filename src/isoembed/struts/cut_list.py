@@ -10,10 +10,10 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
+from isoembed.reprs import counted
 
 ROUNDING = 1e-9  # of a bar: tolerance for struts that fill it exactly
 GAIN = 1e-6  # of a bar: least improvement by a new pattern; linear programs are solved to 1e-7
-TYPES = 40  # limit for column generation, which takes some seconds
 PARTS = 27720  # of a bar, to which sizes are rounded up; divisible by all numbers up to 12
 
 
@@ -60,8 +60,7 @@ class CutList:
         return sum(bar.count * bar.rest for bar in self.bars) / (self.count * self.stock)
 
     def __str__(self) -> str:
-        bars = "bar" if self.count == 1 else "bars"
-        lines = [f"{self.count} {bars} of {self.stock:.6g}, {self.waste:.1%} left over"]
+        lines = [f"{counted(self.count, 'bar')} of {self.stock:.6g}, {self.waste:.1%} left over"]
         width = len(str(max(bar.count for bar in self.bars)))
         for bar in self.bars:
             parts = ", ".join(f"{n} {name}" for name, n in Counter(bar.struts).items())
@@ -95,7 +94,8 @@ class CutList:
                 f"a strut of type {name} is {length:.6g} long, more than a bar of {stock:.6g}"
             )
         packed = _first_fit(sizes, counts)
-        if len(falling) <= TYPES and len(packed) > np.ceil(sizes @ counts - ROUNDING):
+        # With more types, column generation would take more than some seconds.
+        if len(falling) <= 40 and len(packed) > np.ceil(sizes @ counts - ROUNDING):
             packed = _generated(sizes, counts, packed)
         alike = Counter(tuple(pattern) for pattern in packed.tolist())
         bars = []

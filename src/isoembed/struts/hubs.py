@@ -1,4 +1,4 @@
-"""Hubs of a frame: angles between struts within and to the tangent plane, and types of hubs."""
+"""Hubs of a frame: their sphere, angles between struts within and to the tangent plane, and types of hubs."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.struts.frame import Frame
 from isoembed.struts.types import first_reading, letters, readings
-
-SAME_ANGLE = 0.1  # degrees: beyond manufacturing accuracy
 
 
 @dataclass(frozen=True)
@@ -49,6 +47,26 @@ class HubType:
             np.radians(self.angles)
         )
         return tuple(np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))).tolist())
+
+
+def sphere_through(points: Floats, tolerance: float) -> tuple[Floats, float] | None:
+    """Center and radius of a sphere that contains points within a tolerance; None if there is none.
+
+    The center is the linear least-squares solution of |x|^2 = 2 c . x + r^2 - |c|^2, about the mean.
+    """
+    mean = points.mean(axis=0)
+    x = points - mean
+    solution, _, rank, _ = np.linalg.lstsq(
+        np.column_stack([2 * x, np.ones(len(x))]), (x * x).sum(axis=1), rcond=1e-9
+    )
+    if rank < 4:  # coplanar points
+        return None
+    center = solution[:3]
+    distances = np.linalg.norm(x - center, axis=1)
+    radius = float(distances.mean())
+    if np.abs(distances - radius).max() > tolerance:
+        return None
+    return center + mean, radius
 
 
 def hub_angles(
@@ -131,4 +149,4 @@ def hub_types(
 
 def _is_like(kind: HubType, angles: Floats, bends: Floats) -> bool:
     off = np.concatenate([angles - kind.angles, bends - kind.bends])
-    return bool(np.abs(off).max(initial=0.0) <= SAME_ANGLE)
+    return bool(np.abs(off).max(initial=0.0) <= 0.1)  # degrees: beyond manufacturing accuracy

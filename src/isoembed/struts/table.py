@@ -14,15 +14,13 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import frozen
+from isoembed.reprs import counted
 from isoembed.struts import saving
 from isoembed.struts.cut_list import CutList
 from isoembed.struts.frame import Frame
-from isoembed.struts.hubs import HubType, hub_angles, hub_types
-from isoembed.struts.sphere import sphere_through
+from isoembed.struts.hubs import HubType, hub_angles, hub_types, sphere_through
 from isoembed.struts.types import first_reading, length_types, letters
 from isoembed.surface.surface import Surface
-
-SAME_LENGTH = 1e-6  # mean strut lengths: difference of equal lengths in files with seven digits
 
 
 @dataclass(frozen=True)
@@ -121,11 +119,11 @@ class StrutTable:
     def summary(self) -> str:
         """Numbers of struts, hubs and faces, in one line."""
         on = "" if self.radius is None else f"; on a sphere of radius {self.radius:.6g}"
-        counted = []
-        for name, types in (("strut", self.struts), ("hub", self.hubs), ("face", self.faces)):
-            n, kinds = sum(each.count for each in types), len(types)
-            counted.append(f"{n} {name}{'s' * (n != 1)} of {kinds} type{'s' * (kinds != 1)}")
-        return ", ".join(counted) + on
+        parts = (
+            f"{counted(sum(each.count for each in types), name)} of {counted(len(types), 'type')}"
+            for name, types in (("strut", self.struts), ("hub", self.hubs), ("face", self.faces))
+        )
+        return ", ".join(parts) + on
 
     def __str__(self) -> str:
         return saving.text(self)
@@ -210,7 +208,8 @@ def strut_table(
     edges, lengths = surface.edges[which], surface._lengths[which]
     mean = float(lengths.mean())
     allowed = (
-        max(SAME_LENGTH * mean, 4 * surface._vertex_error) if tolerance is None else float(tolerance) / unit
+        # Equal lengths differ by less than a millionth in files with seven digits.
+        max(1e-6 * mean, 4 * surface._vertex_error) if tolerance is None else float(tolerance) / unit
     )
     types = length_types(lengths, allowed)
     sphere = sphere_through(frame.vertices[np.unique(edges)], allowed)

@@ -7,7 +7,7 @@ import pytest
 
 import zoo
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.meshing.intrinsic_relaxation import end_lengths
+from isoembed.meshing.metric_relaxation import end_lengths
 
 
 def test_lengths_on_the_round_sphere_are_arcs():
