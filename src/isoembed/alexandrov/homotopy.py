@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,8 +64,9 @@ class Waypoint:
         Log odds by which the next step lowers epsilon.
     count : int
         Number of steps since the start.
-    odds, norm : float
-        Odds of epsilon and norm of the curvatures at the last check for slow progress.
+    odds, norm, deviation : float
+        Odds of epsilon, norm of the curvatures, and their largest deviation from ``epsilon delta`` relative
+        to delta, at the last check for slow progress.
     target : float
         Target epsilon not yet reached; NaN if the next step sets a new one.
     way : float
@@ -81,6 +82,7 @@ class Waypoint:
     count: int = 0
     odds: float = np.inf
     norm: float = np.inf
+    deviation: float = np.inf
     target: float = np.nan
     way: float = 0.0
     residual: float = FORCING
@@ -91,14 +93,14 @@ class Waypoint:
         polytope = Polytope.of_arrays(arrays)
         if polytope is None:
             return None
-        names = ("close", "step", "odds", "norm", "target", "way", "residual")
+        names = ("close", "step", "odds", "norm", "deviation", "target", "way", "residual")
         numbers = {name: float(arrays[name]) for name in names}
         return cls(polytope, int(arrays["start"]), count=int(arrays["count"]), **numbers)
 
     def arrays(self) -> dict[str, ArrayLike]:
         """Arrays that define the waypoint, for a checkpoint."""
-        names = ("start", "close", "step", "count", "odds", "norm", "target", "way", "residual")
-        return {**self.polytope.arrays(), **{name: getattr(self, name) for name in names}}
+        numbers = {field.name: getattr(self, field.name) for field in fields(self)[1:]}
+        return {**self.polytope.arrays(), **numbers}
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,11 +290,14 @@ def _path(
             inverse, fresh = _factor(p, analyses), True
             if not flips and inverse.negative_pivots != CONVEX:
                 return
-        if count % 50 == 0:  # steps within which the odds or the norm must decrease
+        if count % 50 == 0:  # steps within which the odds, the norm or the deviation must decrease
             odds, norm = _odds(epsilon), _norm(p.curvatures, unit)
-            if odds > 0.9 * here.odds and norm > 0.999 * here.norm:  # progress too slow
+            deviation = _deviation(p.curvatures, epsilon, deficits)
+            # Small deficits are far from the path at first, and close to it many steps later.
+            stays = deviation > 0.1 * here.deviation
+            if odds > 0.9 * here.odds and norm > 0.999 * here.norm and stays:  # progress too slow
                 return
-            here = replace(here, odds=odds, norm=norm)
+            here = replace(here, odds=odds, norm=norm, deviation=deviation)
         if np.isnan(here.target):
             target = _lowered(epsilon, here.step)
             here = replace(here, target=target, way=_norm(p.curvatures - target * deficits, unit))
@@ -400,6 +405,12 @@ def _solved(p: Polytope, inverse: Factor, b: Floats, residual: float) -> tuple[F
         residual,
         GMRES_ITERATIONS,
     )
+
+
+def _deviation(curvatures: Floats, epsilon: float, deficits: Floats) -> float:
+    """Largest deviation of the curvatures from ``epsilon delta``, relative to delta."""
+    nonzero = deficits != 0
+    return float(np.abs(curvatures[nonzero] / deficits[nonzero] - epsilon).max())
 
 
 def _share(curvatures: Floats, deficits: Floats) -> float:

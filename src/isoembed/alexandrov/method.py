@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeGuard, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.intrinsic.edge_paths import edge_paths
-from isoembed.intrinsic.flat_vertices import remove_flat_vertices
+from isoembed.intrinsic.flat_vertices import Removal, remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
 from isoembed.linalg import Work
@@ -40,6 +40,7 @@ from isoembed.metric.convexity import deficit_rounding, largest_noise, repair_le
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired, small_by_far
+from isoembed.metric.triangles import Triangles
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
@@ -159,7 +160,7 @@ def convex_polyhedron(
     """
     lifted, repair = repaired(metric, noise, tolerance)
     answer = _searched(lifted, repair, tolerance, log)
-    if isinstance(answer, ConvexPolyhedron) and answer.converged:
+    if _is_found(answer):
         return answer
     glued = GluedMetric.of(lifted)
     flat = small_by_far(glued.deficits, min(noise, largest_noise(GluedMetric.of(metric).deficits)))
@@ -167,7 +168,7 @@ def convex_polyhedron(
         # Which deficits are noise is visible only after the negative ones are lifted.
         lifted, repair = repaired(metric, noise, tolerance, flat=flat)
         answer = _searched(lifted, repair, tolerance, log)
-        if isinstance(answer, ConvexPolyhedron) and answer.converged:
+        if _is_found(answer):
             return answer
     raise NotEmbedded(answer.message, answer, NOT_FOUND)
 
@@ -178,12 +179,9 @@ def _searched(
     """Polyhedron of a metric without negative deficits, or an attempt."""
     glued = GluedMetric.of(metric)
     rounding = deficit_rounding(glued)
-    # Whether a deficit within the tolerance is zero can only be decided by trying.
-    flat = None
-    for allowed in (rounding, np.maximum(rounding, tolerance)):
-        before, flat = flat, glued.deficits <= allowed
-        if before is not None and (flat == before).all():
-            break
+
+    def attempt(allowed: Floats) -> Embedding:
+        flat = glued.deficits <= allowed
         if (~flat).sum() < 3:
             # On the sphere there are lunes and the whole sphere; elsewhere deficits sum to 4 pi at least.
             thin = f": face {int(np.argmin(glued.triangles.areas))} is too thin"
@@ -191,24 +189,41 @@ def _searched(
                 f"only {(~flat).sum()} vertices have deficits above the rounding error, and a convex "
                 f"polyhedron has at least 3{'' if metric.space.curvature > 0 else thin}"
             )
-        search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
+        search = _Search(metric, allowed, repair if repair.vertices.size else None, tolerance, log)
         answer = search.answer()
         if not answer.converged and (~flat).sum() == 4:
             answer = replace(search, by_lengths=False).answer()
-        if isinstance(answer, ConvexPolyhedron) and answer.converged:
-            break
-    return answer
+        return answer
+
+    answer = attempt(rounding)
+    if _is_found(answer):
+        return answer
+    if isinstance(answer, ConvexPolyhedron):
+        # Many deficits below the bound on rounding, which few errors attain, may add up to a real one.
+        finer = attempt(rounding / 8)
+        if _is_found(finer):
+            return finer
+    # Whether a deficit within the tolerance is zero can only be decided by trying.
+    within = np.maximum(rounding, tolerance)
+    if ((glued.deficits <= within) == (glued.deficits <= rounding)).all():
+        return answer
+    return attempt(within)
+
+
+def _is_found(answer: Embedding) -> TypeGuard[ConvexPolyhedron]:
+    """Whether it is the polyhedron, not an attempt or one that misses the lengths."""
+    return isinstance(answer, ConvexPolyhedron) and answer.converged
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Search for the polyhedron of a metric, treating the vertices of a mask, shape (V,), as flat.
+    """Search for the polyhedron of a metric, treating deficits up to a bound, shape (V,), as zero.
 
     Bodies with four vertices are constructed directly from their lengths if `by_lengths` is set.
     """
 
     metric: PolyhedralMetric | GluedMetric
-    flat: Mask
+    allowed: Floats
     repair: Repair | None
     tolerance: float
     log: Log
@@ -219,18 +234,20 @@ class _Search:
         given, log = GluedMetric.of(self.metric), self.log
         original = given.half_edges()
         with log.stage("flat vertices") as recorder:
-            core, removal = remove_flat_vertices(original, self.flat)
-            recorder.iterations = int(self.flat.sum())
-        belongs = {"deficits": given.deficits, "flat": self.flat}
+            core, removal, deficits = _without_flat_vertices(original, given.deficits, self.allowed)
+            recorder.iterations = removal.removed.size
+        flat = np.ones(given.n_vertices, dtype=np.bool_)
+        flat[removal.core] = False
+        belongs = {"deficits": given.deficits, "flat": flat}
         checkpoint = log.checkpoints.resume(**belongs)
         with log.stage("polytope") as recorder:
             order = core.order_in_memory()
-            curved = np.flatnonzero(~self.flat)[order]
+            curved = removal.core[order]
             tables = core.in_order(order)
             watch = _Watch.resumed(checkpoint)
             path = follow_path(
                 tables,
-                given.deficits[curved],
+                deficits[order],
                 recorder,
                 lambda here: recorder.keep(**here.arrays(), **watch.arrays(here.polytope), **belongs),
                 None if checkpoint is None else Waypoint.of_arrays(checkpoint),
@@ -301,6 +318,27 @@ class _Search:
             stages=self.log.stages,
             message=message,
         )
+
+
+def _without_flat_vertices(
+    mesh: HalfEdges, deficits: Floats, allowed: Floats
+) -> tuple[HalfEdges, Removal, Floats]:
+    """Remove the vertices with at most the allowed deficits, also those left with no more by the removal.
+
+    The small deficits of removed vertices move to their neighbors, whose own may become negative: the metric
+    of the remaining vertices would not be convex.  Its deficits, in the order of the core, are returned.
+    """
+    flat = deficits <= allowed
+    while True:
+        core, removal = remove_flat_vertices(mesh, flat)
+        if not removal.removed.size:
+            return core, removal, deficits
+        angles = Triangles.of(core.face_lengths, core.curvature).angles
+        left = 2 * np.pi - cast(Floats, np.bincount(core.corners, angles.ravel()))
+        flattened = left <= allowed[removal.core]
+        if not flattened.any() or (~flattened).sum() < 3:  # fewer vertices bound no body
+            return core, removal, left
+        flat[removal.core[flattened]] = True
 
 
 @dataclass(eq=False)
