@@ -137,10 +137,12 @@ class Solver:
         self._require_memory()
         single = single and self._fronts.nodes.entries > SINGLE_ENTRIES
         numeric = self._fronts.factor(matrix.data, single=single)
-        scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
-        b, x = _refuse_growth(numeric, scale, scale)
         if not self.definite:
+            scale = matrix.sizes()
+            b, x = _refuse_growth(numeric, scale, scale)
             _refuse_residual((b - matrix @ x) / scale)
+        elif not single:  # whose rounding limits the growth
+            _refuse_growth(numeric, np.sqrt(diagonal), np.sqrt(diagonal))
         return SymmetricFactor(matrix, numeric, self._order)
 
     @property
