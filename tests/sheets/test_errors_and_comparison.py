@@ -82,9 +82,8 @@ def test_on_a_sphere_it_is_what_schlaefli_gives():
     sensitivity, count = Sensitivity(surface), len(metric.lengths)
     errors = np.random.default_rng(1).uniform(1e-4, 1e-3, count)
     expected = sensitivity.integral_deviation(errors)
-    t, derivatives = metric.triangulation, sensitivity._derivatives
-    shared, exact = np.arange(count), np.zeros(count)
-    found = IntegralDeviation.of_sheet(derivatives, t, surface.vertices, errors, shared, exact)
+    derivatives, shared, exact = sensitivity._derivatives, np.arange(count), np.zeros(count)
+    found = IntegralDeviation.of_sheet(derivatives, metric, surface.vertices, errors, shared, exact)
     for name in ("area", "volume", "integrated_mean_curvature"):
         assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-9)
 

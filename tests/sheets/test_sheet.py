@@ -554,19 +554,35 @@ def test_deviations_of_a_cap_with_too_many_digits_are_of_the_scatter():
     assert abs(found.area - embed(dome, boundary="plane").area) < 3 * sigma.area
 
 
-def test_a_cap_of_rounded_lengths_may_have_negative_deficits_within_them():
+@pytest.mark.parametrize("size", [40000, 40800, 43600])
+def test_a_cap_of_rounded_lengths_may_have_negative_deficits_within_them(size):
     points, faces = discs.irregular(60)
-    metric = PolyhedralMetric.from_mesh(40000 * discs.round_cap(points, 0.05), faces)
+    cap = size * discs.round_cap(points, 0.05)
+    metric = PolyhedralMetric.from_mesh(cap, faces)
     rounded = metric.with_lengths(np.round(metric.lengths))
     with pytest.raises(InvalidMetric, match="but is nonnegative on a convex cap"):
         embed(rounded, boundary="plane", length_errors=0)
     found = embed(rounded, boundary="plane")
     assert found.converged and "those of the last digit" in found.message
-    assert apart(found.vertices, 40000 * discs.round_cap(points, 0.05)) < 100.0
+    assert apart(found.vertices, cap) < 40.0
     lengths = rounded.lengths.copy()
     lengths[0] += 100
     with pytest.raises(InvalidMetric, match="; with length_errors=E a smooth cap is fitted"):
         embed(rounded.with_lengths(lengths), boundary="plane")
+
+
+@pytest.mark.parametrize(("height", "farthest"), [(0.1, 6e-3), (0.02, 5e-2)])
+def test_shallow_measured_caps_are_not_crumpled(height, farthest):
+    """Lengths do not tell on which side of its neighbors a vertex is, nor the height of the second cap."""
+    points, faces = discs.irregular(200)
+    cap = discs.round_cap(points, height)
+    metric = PolyhedralMetric.from_mesh(cap, faces)
+    error = 1e-4 * metric.mean_length
+    noise = error * np.random.default_rng(0).normal(size=len(metric.lengths))
+    found = embed(metric.with_lengths(metric.lengths + noise), boundary="plane", length_errors=error)
+    assert apart(found.vertices, cap) < farthest * metric.mean_length
+    volume = isoembed.report(found)["deviation"]["volume"]
+    assert volume is None if height < 0.1 else volume < 0.02 * found.volume
 
 
 @pytest.mark.parametrize("unit", [1.0, 3e-5])

@@ -325,10 +325,11 @@ class Sensitivity:
                 derivatives = None
             found = IntegralDeviation.of(metric, x, sigma, shared, smoothed_parts, derivatives)
         else:
-            curvature = self.embedding._curvature_rates
-            found = IntegralDeviation.of_sheet(
-                self._derivatives, t, x, sigma, shared, smoothed_parts, curvature
-            )
+            try:
+                sheet, curvature = self._derivatives, self.embedding._curvature_rates
+            except SingularMatrix:  # flat, for example
+                sheet = curvature = None
+            found = IntegralDeviation.of_sheet(sheet, metric, x, sigma, shared, smoothed_parts, curvature)
         return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:

@@ -20,9 +20,9 @@ import numpy as np
 from isoembed.aim.acceptance import is_exact
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.choice import NEAR_FIT
+from isoembed.aim.creased_fit import convex_start
 from isoembed.aim.levels import smooth_start
 from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, other_edges, root_mean_square
-from isoembed.aim.nearest_polyhedron import nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
 from isoembed.arrays import Floats
 from isoembed.embedding.measured import MeasuredSurface, standing_out
@@ -125,7 +125,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         measured = closed.with_length_errors((once * errors)[copies])
         unit = measured.normalized
         pipeline, known = Pipeline(unit, Aim(), tolerance, log), np.asarray(unit.length_errors)
-        start = nearest_polyhedron(pipeline.problem, pipeline)
+        start = convex_start(unit, pipeline)
         convex = pipeline.problem.surface(start)
 
         def is_off(one: MeasuredSurface) -> bool:

@@ -130,8 +130,8 @@ class IntegralDeviation:
     @classmethod
     def of_sheet(
         cls,
-        derivatives: Derivatives,
-        triangulation: Triangulation,
+        derivatives: Derivatives | None,
+        metric: PolyhedralMetric,
         vertices: Floats,
         errors: Floats,
         shared: Indices,
@@ -140,8 +140,14 @@ class IntegralDeviation:
     ) -> IntegralDeviation:
         """Deviation of a surface in R^3 with boundary or handles, possibly a fit to the given lengths.
 
-        With a boundary the mean curvature is that of `curvature`; without one its deviation is NaN.
+        `derivatives` is None if the surface is not rigid.  With a boundary the mean curvature is that of
+        `curvature`; without one its deviation is NaN.
         """
+        triangulation = metric.triangulation
+        if derivatives is None:
+            unknown = np.full((2, len(errors)), np.inf)
+            rates = np.vstack([area_derivative(metric), unknown])
+            return cls.from_rates(rates, errors, shared, missed, np.inf)
         above = above_boundary(triangulation, vertices)
         x = vertices if above is None else above
         gradients = integral_gradients(triangulation, x)
@@ -257,7 +263,7 @@ class Deviation(Changes):
             integrals = IntegralDeviation.of(metric, vertices, errors, shared, missed, closed)
         else:
             integrals = IntegralDeviation.of_sheet(
-                derivatives, t, vertices, errors, shared, missed, curvature
+                derivatives, metric, vertices, errors, shared, missed, curvature
             )
         n = int(shared.max()) + 1
         exact = n <= PROBES
