@@ -83,7 +83,7 @@ def unfolded(vertices, faces, path):
         "off": float(np.abs(pdist(found) - pdist(vertices)).max() / pdist(vertices).max()),
         "seconds": seconds,
         "pairs": len(unfolding.sides),
-        "tabs": len(drawing.mountains) + len(drawing.valleys) - sum(map(len, unfolding.folds)),
+        "tabs": len(drawing.folds) - sum(map(len, unfolding.folds)),
         "label": min(one.size for one in drawing.labels),
     }
 
