@@ -1,4 +1,4 @@
-"""Faster start of the short-lived process of a command."""
+"""Startup time of commands: garbage collection and imports of NumPy submodules."""
 
 import atexit
 import gc

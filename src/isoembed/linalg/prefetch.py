@@ -1,7 +1,7 @@
-"""Prefetching for compiled modules, declared in ``prefetch.pxd``; nothing in interpreted runs."""
+"""Cache prefetching for compiled modules, declared in ``prefetch.pxd``; no operation in interpreted runs."""
 
 from isoembed.arrays import Floats
 
 
 def prefetch(values: Floats, first: int, last: int) -> None:
-    """Fetch a range of an array into the cache, as far as it exists, while other work goes on."""
+    """Fetch the part of an array in this range into the cache while other work goes on."""
