@@ -1,4 +1,4 @@
-"""Preparation of input meshes: coincident vertices, polygons, unused vertices, T-junctions."""
+"""Preparation of input meshes, with warnings: coincident or unused vertices, polygons, T-junctions."""
 
 import math
 import numbers
