@@ -1,4 +1,4 @@
-"""Command line interface ``isoembed``: one module for each subcommand, imported on demand.
+"""Command line interface ``isoembed``: parser, exit status of every error, subcommands imported on demand.
 
 Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance, no
 horizon or no proof was found, 130 interrupted by Ctrl-C, 143 by SIGTERM.

@@ -1,4 +1,4 @@
-"""``isoembed embed``: embedding of a metric, a mesh or a net in a file; checks of its options."""
+"""``isoembed embed``: options and their checks, method, comparison with the surface in the input file."""
 
 import argparse
 import math

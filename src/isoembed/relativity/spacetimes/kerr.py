@@ -1,4 +1,4 @@
-"""Surfaces r = R(theta) in slices t = const of Kerr-Newman spacetimes (Boyer-Lindquist coordinates).
+"""Kerr-Newman horizon, spheres and ergosphere as surfaces of slices t = const; Smarr's limit of embedding.
 
 Formulas are in units of the mass with s = sin^2(theta), as in `isoembed.gallery.kerr`, which has the same
 2-metric; Schwarzschild is spin 0.
