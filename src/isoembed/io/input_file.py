@@ -1,4 +1,4 @@
-"""Input files, opened and decompressed once."""
+"""Input files, opened once: decompression, text encoding, arrays by name."""
 
 from __future__ import annotations
 
