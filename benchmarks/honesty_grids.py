@@ -24,7 +24,7 @@ from honesty_truth import (
     wave,
 )
 from isoembed.relativity import SurfaceData, embed_surface
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 
 SIZES = (4, 5, 6, 8, 9, 12, 16, 24, 33, 65)
 NODES = ("cell-centered", "poles", "inner", "gauss")

@@ -28,7 +28,7 @@ from isoembed.relativity import (
     StarSurface,
     embed_surface,
 )
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 
 NOISE = (1e-10, 1e-8, 1e-6, 1e-4, 1e-3)
 SPACINGS = (0.4, 0.2, 0.1)

@@ -8,7 +8,7 @@ import pytest
 import isoembed
 import zoo
 from isoembed import relativity
-from isoembed.reprs import short_repr
+from isoembed.reprs import rounded_down, rounded_up, short_repr
 from isoembed.smooth import AngleMetric, embed_smooth
 from isoembed.surface.estimate import Estimate
 
@@ -82,3 +82,12 @@ def test_results_on_surfaces():
     ):
         assert len(repr(result)) < 400
         assert result._repr_html_().startswith("<table>")
+
+
+@pytest.mark.parametrize("value", [1.0, 2.3e-7, 9.99e-5, 0.0401])
+@pytest.mark.parametrize("digits", [1, 2])
+def test_numbers_are_rounded_outward(value, digits):
+    text = rounded_up(value, digits)
+    assert value <= float(text) < (1 + 1.01 * 10 ** (1 - digits)) * value
+    assert value >= float(rounded_down(value, digits)) > (1 - 1.01 * 10 ** (1 - digits)) * value
+    assert len(text.split("e")[0].replace(".", "")) == digits

@@ -1,4 +1,4 @@
-"""Base class of embedding methods; `solve` normalizes the unit of length and runs one.
+"""Base class of embedding methods; `solve` checks metric and result, normalizes the unit, and runs one.
 
 A method declares its capabilities, so that no code depends on its name.
 """

@@ -1,10 +1,11 @@
-"""Texts of results: short `repr` of those with large arrays, HTML tables in notebooks, lists and counts."""
+"""Texts of results: short `repr`, HTML tables in notebooks, lists, counts, bounds rounded up or down."""
 
 from __future__ import annotations
 
 import numbers
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,6 +26,16 @@ def listed(items: Sequence[str], most: int = 5) -> str:
 def counted(number: int, noun: str) -> str:
     """Number of things, with the noun in the plural unless it is one."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def rounded_up(value: float, digits: int = 2) -> str:
+    """Text of a positive number rounded up to some significant digits, so that a user can pass it back."""
+    return f"{float(Context(digits, ROUND_CEILING).create_decimal(value)):.{digits - 1}e}"
+
+
+def rounded_down(value: float, digits: int = 2) -> str:
+    """Text of a positive number rounded down to some significant digits."""
+    return f"{float(Context(digits, ROUND_FLOOR).create_decimal(value)):.{digits - 1}e}"
 
 
 def short_repr(cls: Kind) -> Kind:

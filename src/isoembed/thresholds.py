@@ -6,7 +6,6 @@ An algorithm's thresholds are the fields of one frozen dataclass, made with `thr
 
 from collections.abc import Iterator
 from dataclasses import field, fields
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Any
 
 
@@ -29,13 +28,3 @@ def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:
     """The name, value, unit and meaning of each threshold, in the order of their definition."""
     for each in fields(thresholds):
         yield each.name, getattr(thresholds, each.name), each.metadata["unit"], each.metadata["meaning"]
-
-
-def rounded_up(value: float, digits: int = 2) -> str:
-    """Text of a positive number rounded up to some significant digits, so that a user can pass it back."""
-    return f"{float(Context(digits, ROUND_CEILING).create_decimal(value)):.{digits - 1}e}"
-
-
-def rounded_down(value: float, digits: int = 2) -> str:
-    """Text of a positive number rounded down to some significant digits."""
-    return f"{float(Context(digits, ROUND_FLOOR).create_decimal(value)):.{digits - 1}e}"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from isoembed import PolyhedralMetric, embed
-from isoembed.cli import main, many
+from isoembed.cli import batch, main
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import read_surface, write_metric
 from isoembed.runs import Store
@@ -21,7 +21,7 @@ CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dty
 @pytest.fixture
 def run(call, monkeypatch):
     """Call ``isoembed embed`` in an empty folder, without other processes."""
-    monkeypatch.setattr(many, "Workers", Here)
+    monkeypatch.setattr(batch, "Workers", Here)
     return partial(call, "embed", "--jobs", 1, "--quiet")
 
 
@@ -131,7 +131,7 @@ def test_what_makes_no_sense_is_refused(run, metrics, arguments, message):
 
 def test_all_wrong_is_wrong(metrics, tmp_path, monkeypatch, capfd):
     """Status 2, but unlike other refusals it leaves the table behind."""
-    monkeypatch.setattr(many, "Workers", Here)
+    monkeypatch.setattr(batch, "Workers", Here)
     monkeypatch.chdir(tmp_path)
     Path("other.npz").write_text("")
     assert main(["embed", "--quiet", "wrong.npz", "other.npz", "-o", "out"]) == 2

@@ -18,8 +18,8 @@ MOMENTS = 20
 
 KILLED = """
 import os, shutil, signal, sys, time
-from isoembed.cli import interruption, main
-interruption.PERIOD = 0.0
+from isoembed.cli import checkpoints, main
+checkpoints.PERIOD = 0.0
 
 def run(folder):
     os.mkdir(folder)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from horizons import write_kerr
-from isoembed.cli import many
+from isoembed.cli import batch
 from isoembed.relativity import KerrSchild
 from isoembed.runs import Result, Store
 from strict_json import strict
@@ -23,7 +23,7 @@ SPINS = {0: (0.5, 0.0, 0.0), 64: (0.3, 0.4, 0.0), 128: (0.0, 0.5, 0.0)}
 @pytest.fixture
 def run(call, monkeypatch):
     """Call ``isoembed series`` in an empty folder, without other processes."""
-    monkeypatch.setattr(many, "Workers", Here)
+    monkeypatch.setattr(batch, "Workers", Here)
     return partial(call, "series", "--quiet")
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric
-from isoembed.cli import many
+from isoembed.cli import batch
 from isoembed.io import read_metric, read_surface, write_metric
 from isoembed.metric.curvature import area, deficits
 from strict_json import strict
@@ -100,7 +100,7 @@ def test_a_metric_that_is_convex_in_r3_is_embedded_there(call):
 
 
 def test_many_files(call, monkeypatch):
-    monkeypatch.setattr(many, "Workers", Here)
+    monkeypatch.setattr(batch, "Workers", Here)
     metrics = {name: written(f"{name}.npz", k) for name, k in (("a", -1.0), ("b", 0.5), ("c", 0.0))}
     run = ("embed", "--jobs", 1, "--quiet", "a.npz", "b.npz", "c.npz", "-o", "out")
     assert call(*run)[0] == 0

@@ -1,4 +1,4 @@
-"""Best fit: smooth surface fitted to noisy lengths in least squares, with estimated noise and weight.
+"""Best fit: smooth surface fitted to noisy lengths in least squares; estimated noise and weight; outliers.
 
 Exact surfaces of noisy lengths have dimples, and for large errors often none is found.  The best fit
 minimizes

@@ -12,7 +12,7 @@ from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.vertex_links import link_gaps
 from isoembed.progress.stages import Log
-from isoembed.thresholds import rounded_up
+from isoembed.reprs import rounded_up
 
 UNLIKE = 0.05  # mean edge lengths; errors of measured surfaces are smaller
 

@@ -1,4 +1,4 @@
-"""Regularized least-squares fit to edge lengths with known standard deviations: the discrepancy principle.
+"""Regularized fit to edge lengths with known standard deviations or rounded digits: discrepancy principle.
 
 The exact surface of lengths with errors is often crumpled, or does not exist.  This fit minimizes
 ``sum (r / s)^2 + mu |R x|^2`` with the standard deviations s and the roughness R

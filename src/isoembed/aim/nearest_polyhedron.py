@@ -1,4 +1,4 @@
-"""Polyhedron of a nearby convex metric: the start of the pull-back."""
+"""Polyhedron of a nearby convex metric, the start of the pull-back; polishing of convex results."""
 
 import numpy as np
 

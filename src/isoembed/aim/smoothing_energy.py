@@ -1,4 +1,4 @@
-"""Regularized energy for fits: steps without rotations, by factors of earlier steps.
+"""Minimization of the regularized energy for fits: steps without rotations, by factors of earlier steps.
 
 The matrix of a step, ``J^T J + mu R^T R``, has more fill than the one with K in place of R, but with its
 factors conjugate gradients converge immediately, and in about ten iterations for nearby surfaces and slightly

@@ -1,4 +1,4 @@
-"""Newton's method on the radii with flips, from a nearly flat polytope to the polyhedron.
+"""Inexact Newton's method on the radii with flips, from a nearly flat polytope to the polyhedron.
 
 Three radii are pinned, which fixes the apex: the curvatures do not determine its position.
 """

@@ -1,4 +1,4 @@
-"""Choice of three vertices with fixed radii, to exclude translations of the apex."""
+"""Choice of three vertices with fixed radii, to exclude translations of the apex; their directions."""
 
 import numpy as np
 from scipy.linalg import qr

@@ -1,4 +1,4 @@
-"""Command line interface ``isoembed``: one module for each subcommand, imported on demand.
+"""Command line interface ``isoembed``: parser, exit status of every error, subcommands imported on demand.
 
 Exit status: 0 done, 2 the input or the command line is wrong, 3 no embedding within the tolerance, no
 horizon or no proof was found, 130 interrupted by Ctrl-C, 143 by SIGTERM.
@@ -20,8 +20,7 @@ from typing import Any
 from isoembed import __version__
 from isoembed.cli import completion
 from isoembed.cli import help as help_
-from isoembed.cli.help import COMMANDS, FIRST_STEPS
-from isoembed.cli.screen import (
+from isoembed.cli.console import (
     OK,
     WRONG,
     OutputError,
@@ -31,6 +30,7 @@ from isoembed.cli.screen import (
     print_error,
     print_out,
 )
+from isoembed.cli.help import COMMANDS, FIRST_STEPS
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.startup import import_numpy_lazily, uncollected
 from isoembed.similar_names import did_you_mean

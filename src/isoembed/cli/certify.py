@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.cli.console import NOT_EMBEDDED, OK, UsageError, print_json, print_out
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
     add_json_option,
@@ -14,7 +15,6 @@ from isoembed.cli.options import (
     add_surface_argument,
 )
 from isoembed.cli.same_triangles import metric_of
-from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_json, print_out
 from isoembed.io import read_surface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.boundary_heights import certify as certify_heights

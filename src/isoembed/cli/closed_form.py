@@ -3,8 +3,8 @@
 import argparse
 from typing import get_args
 
+from isoembed.cli.console import UsageError
 from isoembed.cli.options import given
-from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.kerr_surface import SURFACES, Slice, kerr_surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData

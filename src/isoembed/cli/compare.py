@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from isoembed.cli.console import NOT_EMBEDDED, OK, print_aside, print_json, print_out
 from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
@@ -15,7 +16,6 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles, metric_of
-from isoembed.cli.screen import NOT_EMBEDDED, OK, print_aside, print_json, print_out
 from isoembed.cli.summary import ARRAYS, INTEGRALS
 from isoembed.embedding.comparison import Comparison, compare, stated
 from isoembed.embedding.embedding import Embedding

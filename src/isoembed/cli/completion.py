@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from isoembed.cli.screen import UsageError
+from isoembed.cli.console import UsageError
 
 SHELLS = ("bash", "zsh", "fish")
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from isoembed.cli.console import NOT_EMBEDDED, OK, UsageError, print_aside, print_json, print_out
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
@@ -14,7 +15,6 @@ from isoembed.cli.options import (
     add_surface_argument,
 )
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_json, print_out
 from isoembed.cli.summary import ARRAYS, INTEGRALS, why_undetermined
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity

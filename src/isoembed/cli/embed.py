@@ -1,4 +1,4 @@
-"""``isoembed embed``: embedding of a metric, a mesh or a net in a file."""
+"""``isoembed embed``: options and their checks, method, comparison with the surface in the input file."""
 
 import argparse
 import math
@@ -12,8 +12,9 @@ import numpy as np
 import isoembed
 from isoembed.aim.acceptance import are_identical, is_realization
 from isoembed.arrays import Floats
-from isoembed.cli.answer import add_output_options, answer, listener_of, requested_outputs
-from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
+from isoembed.cli.checkpoints import Checkpoints, add_checkpoint_options, checkpoint_file
+from isoembed.cli.console import UsageError, print_error
+from isoembed.cli.embedding_output import add_output_options, answer, listener_of, requested_outputs
 from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
@@ -27,7 +28,6 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidParameter, NotEmbedded
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_surface
 from isoembed.io.files import ending

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from isoembed import Method
+from isoembed.cli.batch import carried_out, seen_by_all
+from isoembed.cli.console import UsageError, print_aside, print_json
 from isoembed.cli.length_error import length_errors
-from isoembed.cli.many import carried_out, seen_by_all
 from isoembed.cli.outputs import check_folder, elapsed, stems
-from isoembed.cli.screen import UsageError, print_aside, print_json
 from isoembed.io import mesh_writer, report_writer, write_atomically
 from isoembed.runs import Result, Store
 from isoembed.runs.embedding_task import EmbeddingTask

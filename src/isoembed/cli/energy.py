@@ -12,8 +12,9 @@ import numpy as np
 
 import isoembed
 from isoembed.arrays import Floats
-from isoembed.cli.answer import solved
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
+from isoembed.cli.console import NOT_EMBEDDED, OK, UsageError, print_error, print_json, print_out
+from isoembed.cli.embedding_output import solved
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import (
@@ -30,7 +31,6 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.outputs import Outputs, print_written
 from isoembed.cli.pictures import add_picture_options, check_pictures, picture_writers
-from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_error, print_json, print_out
 from isoembed.cli.slices import OF_SLICE, add_slice_options, slice_label, slice_named
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer, write_atomically
@@ -43,7 +43,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.coloring import from_file
 from isoembed.plot.endings import PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.plot.series.stills import measures_caption
-from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
+from isoembed.relativity.energies.embedded_surface import conventions, embed_surface, embedded_report
 from isoembed.relativity.energies.mesh_energies import mesh_deviation, mesh_energies
 from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
 from isoembed.relativity.energies.wang_yau_result import WangYau

@@ -9,9 +9,9 @@ from typing import Any
 import isoembed
 from isoembed.alexandrov.solid import Solid
 from isoembed.cli.advice import command
-from isoembed.cli.answer import add_output_options, answer, requested_outputs
+from isoembed.cli.console import OK, UsageError, print_aside
+from isoembed.cli.embedding_output import add_output_options, answer, requested_outputs
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import OK, UsageError, print_aside
 from isoembed.cli.summary import summary
 from isoembed.gluing import embed_net
 from isoembed.gluing.solid import unknown_folding

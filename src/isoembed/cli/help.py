@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from isoembed.cli.screen import print_out
+from isoembed.cli.console import print_out
 
 GROUPS = {
     "input": (

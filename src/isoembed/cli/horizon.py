@@ -5,6 +5,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from isoembed.cli.console import (
+    NOT_EMBEDDED,
+    OK,
+    WRONG,
+    UsageError,
+    print_aside,
+    print_error,
+    print_json,
+    print_out,
+)
 from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
@@ -17,16 +27,6 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import Outputs, check_folder, print_written, stems
-from isoembed.cli.screen import (
-    NOT_EMBEDDED,
-    OK,
-    WRONG,
-    UsageError,
-    print_aside,
-    print_error,
-    print_json,
-    print_out,
-)
 from isoembed.cli.slices import (
     OF_SLICE,
     add_slice_options,

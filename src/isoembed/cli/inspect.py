@@ -2,8 +2,8 @@
 
 import argparse
 
+from isoembed.cli.console import OK, print_json, print_out
 from isoembed.cli.options import add_json_option, add_merge_option
-from isoembed.cli.screen import OK, print_json, print_out
 from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.metric.inspection import inspect
 

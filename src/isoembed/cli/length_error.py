@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.cli.console import UsageError
 from isoembed.cli.numbers import read_numbers
-from isoembed.cli.screen import UsageError
 from isoembed.io.files import ending
 from isoembed.typed_numbers import number
 

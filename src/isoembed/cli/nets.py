@@ -2,9 +2,9 @@
 
 import argparse
 
+from isoembed.cli.console import NOT_EMBEDDED, OK, UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.options import add_json_option, add_output_option
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_aside, print_error, print_json, print_out
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
 from isoembed.io import SURFACE_ENDINGS, check_output, surface_writer, write_atomically

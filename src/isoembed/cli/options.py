@@ -1,4 +1,4 @@
-"""Options shared by several commands."""
+"""Options shared by several commands: input and output, space, horizon quantities, batch runs."""
 
 import argparse
 import re
@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from isoembed.cli.screen import UsageError
+from isoembed.cli.console import UsageError
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 
-from isoembed.cli.screen import UsageError, is_terminal, print_aside
+from isoembed.cli.console import UsageError, is_terminal, print_aside
 from isoembed.io import SURFACE_ENDINGS, FileError, check_output, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.reprs import listed

@@ -7,7 +7,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from isoembed import methods
-from isoembed.cli.screen import UsageError
+from isoembed.cli.console import UsageError
 from isoembed.method import Method
 
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from isoembed.cli.screen import UsageError
+from isoembed.cli.console import UsageError
 from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import Writer
 from isoembed.plot.coloring import EMPTY, MEAN_CURVATURE, QUANTITIES, SIDES, Quantity, spelled, usual

@@ -7,6 +7,7 @@ import numpy as np
 
 from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
+from isoembed.cli.console import NOT_EMBEDDED, OK, UsageError, print_json, print_out
 from isoembed.cli.options import (
     add_json_option,
     add_merge_option,
@@ -16,7 +17,6 @@ from isoembed.cli.options import (
 )
 from isoembed.cli.outputs import check_folder, print_written
 from isoembed.cli.same_triangles import metric_of
-from isoembed.cli.screen import NOT_EMBEDDED, OK, UsageError, print_json, print_out
 from isoembed.embedding.certify import certify
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import read_surface, write_atomically

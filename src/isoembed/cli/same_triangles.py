@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.arrays import Indices
-from isoembed.cli.screen import UsageError
+from isoembed.cli.console import UsageError
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import read_metric
 from isoembed.metric.polyhedral import PolyhedralMetric

@@ -11,7 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from isoembed.cli.many import Tally, carried_out, print_failures, seen_by_all
+from isoembed.cli.batch import Tally, carried_out, print_failures, seen_by_all
+from isoembed.cli.console import WRONG, UsageError, print_aside, print_error, print_json
 from isoembed.cli.options import (
     OF_RUNS,
     add_json_option,
@@ -26,7 +27,6 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import check_folder, elapsed
-from isoembed.cli.screen import WRONG, UsageError, print_aside, print_error, print_json
 from isoembed.cli.slices import (
     CLOSED_FORMS,
     OF_SLICE,

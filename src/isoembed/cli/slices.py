@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from isoembed.cli.console import UsageError
 from isoembed.cli.options import converted, given
-from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
 from isoembed.relativity.series.slice_files import read_slice

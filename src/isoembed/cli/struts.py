@@ -5,6 +5,7 @@ import math
 import re
 from pathlib import Path
 
+from isoembed.cli.console import OK, print_aside, print_error, print_json, print_out
 from isoembed.cli.options import (
     READABLE,
     add_json_option,
@@ -13,7 +14,6 @@ from isoembed.cli.options import (
     converted,
 )
 from isoembed.cli.outputs import Outputs, print_written, written
-from isoembed.cli.screen import OK, print_aside, print_error, print_json, print_out
 from isoembed.io import read_surface
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.struts import STRUT_ENDINGS, strut_table

@@ -4,9 +4,9 @@ import argparse
 from dataclasses import Field, fields
 from typing import Any, get_args, get_type_hints
 
+from isoembed.cli.console import OK, UsageError, print_aside, print_out
 from isoembed.cli.options import add_output_option, add_quiet_option
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import OK, UsageError, print_aside, print_out
 from isoembed.gallery import SURFACES, Surface, ZoneSurface, triangulate
 from isoembed.io import (
     METRIC_ENDINGS,

@@ -5,9 +5,9 @@ import argparse
 import numpy as np
 
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
+from isoembed.cli.console import OK, UsageError, print_aside
 from isoembed.cli.options import add_output_option, refuse_given
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import OK, UsageError, print_aside
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.meshing.spreading import WHOLE, Zone
 from isoembed.relativity.horizons.grid_file import read_metric_grid

@@ -7,10 +7,10 @@ from typing import get_args
 
 import numpy as np
 
+from isoembed.cli.console import OK, UsageError, print_aside, print_error
 from isoembed.cli.material import add_material_options, given_fields, material_of, on_paper
 from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import OK, UsageError, print_aside, print_error
 from isoembed.gluing import unfold
 from isoembed.gluing.sheet_search import Objective
 from isoembed.io import read_surface, write_atomically
@@ -19,7 +19,7 @@ from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.paper import FORMATS, Paper
-from isoembed.papercraft.sheets import drawing_writer
+from isoembed.papercraft.saving import drawing_writer
 from isoembed.reprs import counted
 from isoembed.typed_numbers import millimeters, number
 

@@ -6,11 +6,11 @@ import webbrowser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from isoembed.cli.console import OK, UsageError, print_aside, print_out
 from isoembed.cli.options import READABLE, add_merge_option, add_output_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.pictures import add_color_option, shown
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import OK, UsageError, print_aside, print_out
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import write_atomically
 from isoembed.io.files import ending

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import Any, TextIO
 
-from isoembed.cli.screen import is_terminal
+from isoembed.cli.console import is_terminal
 
 PATIENCE, PERIOD = 2.0, 0.5  # seconds before the first display, and between updates
 ERASED = "\r\x1b[2K"

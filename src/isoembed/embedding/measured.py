@@ -1,4 +1,4 @@
-"""Smooth surfaces fitted to edge lengths with known standard deviations, and their chi-square test."""
+"""Smooth surfaces fitted to edge lengths with known standard deviations: chi-square test, outliers."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@
 polygons, pita forms, D-forms and the enumeration of edge-to-edge gluings build on them.
 """
 
+from isoembed.gluing.enumeration import edge_gluings
 from isoembed.gluing.forms import dform, pita, zipped
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import (
@@ -15,7 +16,6 @@ from isoembed.gluing.outlines import (
     regular_polygon,
     triangle,
 )
-from isoembed.gluing.search import edge_gluings
 from isoembed.gluing.solid import embed_net
 from isoembed.gluing.unfolding import Unfolding, unfold
 

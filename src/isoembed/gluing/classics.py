@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from isoembed.gluing.enumeration import edge_gluings
 from isoembed.gluing.forms import Outline, dform, pita
 from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
-from isoembed.gluing.search import edge_gluings
 
 SIDES = 64  # of a polygon inscribed in a curve
 

@@ -1,4 +1,4 @@
-"""Polygons with identified sides, and their polyhedral metric."""
+"""Polygons with identified sides, and their polyhedral metric; advice if glued sides differ in length."""
 
 import warnings
 from collections.abc import Sequence
@@ -21,9 +21,9 @@ from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.precision import Precision
+from isoembed.reprs import rounded_up
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model
-from isoembed.thresholds import rounded_up
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

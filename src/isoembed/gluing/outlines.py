@@ -1,4 +1,4 @@
-"""Curved outlines, and the equilateral polygons inscribed in them."""
+"""Outlines of sheets: polygons by sides and angles, ellipses, stadiums, and equilateral polygons in them."""
 
 import math
 import numbers

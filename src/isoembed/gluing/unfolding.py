@@ -136,7 +136,7 @@ class Unfolding:
             The paper is unknown, a face does not fit on it, or an allowance or the kerf closes a notch.
         """
         # An upward import, listed in the contract like those of `isoembed.embedding.embedding`.
-        from isoembed.papercraft.sheets import save_unfolding
+        from isoembed.papercraft.saving import save_unfolding
 
         save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
 

@@ -1,4 +1,4 @@
-"""Plane geometry predicates: orientation of points, intersection of segments."""
+"""Plane coordinates of points of a plane in space, as seen from the side of its normal."""
 
 from typing import cast
 

@@ -20,7 +20,7 @@ from isoembed.gluing.offset import offset
 from isoembed.gluing.polygon import side_lengths
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
-from isoembed.thresholds import rounded_up
+from isoembed.reprs import rounded_up
 
 SNAP = 1e-6  # of the size of the drawing: distance at which ends are joined if not all coincide
 UNITS = 4.0  # of the last digit: possible difference of rounded points and of lengths between them

@@ -1,4 +1,4 @@
-"""File errors in one sentence each, and atomic writing."""
+"""File errors in one sentence each, checks of file name endings, and atomic writing."""
 
 import contextlib
 import os

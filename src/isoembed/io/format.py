@@ -1,4 +1,4 @@
-"""File formats: name ending, reader and writer."""
+"""Interface of a file format: name ending, reader and writer; loading of formats of other packages."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.io.expansion import check_expansion
+from isoembed.io.decompression_limit import check_expansion
 
 LISTED = 8  # names listed in an error message
 HDF5_ENDINGS = (".h5", ".hdf5", ".he5")

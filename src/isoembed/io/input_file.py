@@ -1,4 +1,4 @@
-"""Input files, opened once."""
+"""Input files, opened once: decompression, text encoding, arrays by name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.io.expansion import check_expansion, largest_expansion
+from isoembed.io.decompression_limit import check_expansion, largest_expansion
 from isoembed.io.files import FileError, Tables, first_line, input_ending, open_input
 from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled scanning of numbers in plain text.
+"""Compiled scanning of OBJ, OFF and STL text: words, numbers, vertices and triangles.
 
 Text of unusual form is left to the slow reader of each format, which reports the error.
 """

@@ -1,4 +1,4 @@
-"""Compiled scanning of tables in plain text.
+"""Fast reading of number tables and triangles in plain text, and formatting of their lines.
 
 Plain text is ASCII with words between blanks, and lines that end with a line feed.  Other text, and text of
 unusual form, is left to the slow reader of each format, which reports the error.

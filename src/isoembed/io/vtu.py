@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.io.expansion import check_expansion
+from isoembed.io.decompression_limit import check_expansion
 from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import CURVATURES, Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile

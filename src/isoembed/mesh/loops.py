@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled loops over triangulation tables."""
+"""Compiled loops over triangulation tables: opposite half-edges, connected faces, pinched vertices."""
 
 from __future__ import annotations
 

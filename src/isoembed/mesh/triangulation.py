@@ -1,4 +1,4 @@
-"""Triangulations of surfaces: faces, edges, boundary and adjacency."""
+"""Triangulations of surfaces: faces, edges, boundary, adjacency; checks that they are closed, or spheres."""
 
 from dataclasses import dataclass
 from functools import cached_property

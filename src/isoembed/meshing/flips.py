@@ -1,4 +1,4 @@
-"""Delaunay flips of a closed mesh in R^3, in rounds of independent edges."""
+"""Delaunay flips of a closed mesh in R^3, in rounds of independent edges; twins of its half-edges."""
 
 import numpy as np
 

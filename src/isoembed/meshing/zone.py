@@ -1,4 +1,4 @@
-"""Triangulations of spherical zones: discs about a pole, and bands between two circles of latitude."""
+"""Triangulations of spherical zones (discs about a pole, bands): circles of latitude and vertices on each."""
 
 from __future__ import annotations
 

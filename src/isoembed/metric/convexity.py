@@ -9,7 +9,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.metric.triangle_metric import TriangleMetric
 from isoembed.metric.triangles import Triangles
-from isoembed.thresholds import rounded_up
+from isoembed.reprs import rounded_up
 
 ROUNDINGS = 64  # error of a length from preceding computations, in machine epsilons
 MIN_NOISE = 1e-12  # radians: rounding by flips may exceed the estimate from the triangles

@@ -1,4 +1,4 @@
-"""Preparation of input meshes: coincident vertices, polygons, unused vertices, T-junctions."""
+"""Preparation of input meshes, with warnings: coincident or unused vertices, polygons, T-junctions."""
 
 import math
 import numbers
@@ -17,9 +17,10 @@ from isoembed.mesh.polygons import next_corners
 from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polygon_faces import PolygonFaces
+from isoembed.reprs import rounded_up
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
-from isoembed.thresholds import rounded_up, threshold
+from isoembed.thresholds import threshold
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Detection of rounded coordinates and lengths by their digits."""
+"""Detection of rounded coordinates and lengths by their digits, and the errors of rounding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Identification of a wrong edge length from violated triangle inequalities.
+"""Identification of a wrong edge length, and estimate of the right one, from inequalities and deficits.
 
 If one length is wrong, its edge is in all triangles that break the inequality, and the other sides of its
 triangles leave it an interval.  Of several such edges it is probably the one that, with another length, has

@@ -7,7 +7,7 @@ from isoembed.papercraft.curves import write_dform
 from isoembed.papercraft.folding import partly_folded
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.net_choice import fewest_pages
-from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
+from isoembed.papercraft.saving import SHEET_ENDINGS, sheets_writer, write_sheets
 
 __all__ = [
     "SHEET_ENDINGS",

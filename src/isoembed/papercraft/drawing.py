@@ -1,4 +1,4 @@
-"""Drawing of a paper net in layers: cut, mountain, valley, seam, glue, engrave, solid."""
+"""Drawing of a paper net in layers: cut (widened by kerf and allowance), mountain, valley, seam, engrave."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, warn_of_mesh
 from isoembed.gluing.offset import offset
 from isoembed.papercraft.labels import Label, labels
-from isoembed.papercraft.margins import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.numbers import face_numbers
+from isoembed.papercraft.page_foot import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.paper import FOOT, MARGIN
 from isoembed.papercraft.perforation import pieces
 from isoembed.papercraft.placing import laid_out

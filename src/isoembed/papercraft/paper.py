@@ -1,4 +1,4 @@
-"""Paper sizes: named formats, custom pages and rolls."""
+"""Paper sizes and margins: named formats, custom pages and rolls."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.coloring import mean_curvature
-from isoembed.plot.drawn import Drawn
+from isoembed.plot.curved_space import Drawn
 from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.infinity import ball

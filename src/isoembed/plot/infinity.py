@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.drawn import BALL_RADIUS
+from isoembed.plot.curved_space import BALL_RADIUS
 from isoembed.plot.view import Pose, View
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ from isoembed.plot.coloring import (
     residual,
     sides,
 )
-from isoembed.plot.drawn import BALL_RADIUS, Drawn
+from isoembed.plot.curved_space import BALL_RADIUS, Drawn
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.pieces import Pieces

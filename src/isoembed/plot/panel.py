@@ -10,7 +10,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.io.format import Polygons
 from isoembed.plot.coloring import Quantity, face_means
-from isoembed.plot.drawn import Drawn
+from isoembed.plot.curved_space import Drawn
 from isoembed.plot.view import Pose
 from isoembed.reprs import short_repr
 from isoembed.surface.segments import Segments

@@ -17,7 +17,7 @@ from isoembed.io.registry import check_output
 from isoembed.plot.browser.ramp import diverging
 from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
 from isoembed.plot.coloring import Quantity, quantity, usual
-from isoembed.plot.drawn import Drawn, space_name
+from isoembed.plot.curved_space import Drawn, space_name
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
 from isoembed.plot.lines import Shapes, among_faces

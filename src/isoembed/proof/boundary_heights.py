@@ -29,8 +29,8 @@ from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_hulls import folds_of_polygons, prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization
 from isoembed.proof.rounding import GUARD, U
+from isoembed.reprs import rounded_down, rounded_up
 from isoembed.surface.intersection import self_intersections
-from isoembed.thresholds import rounded_down, rounded_up
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,8 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_realization import NearbyRealization
 from isoembed.proof.rounding import GUARD
-from isoembed.reprs import counted, short_repr
+from isoembed.reprs import counted, rounded_down, rounded_up, short_repr
 from isoembed.surface.intersection import self_intersections
-from isoembed.thresholds import rounded_down, rounded_up
 
 
 @short_repr

@@ -37,7 +37,7 @@ from isoembed.proof.certificate import Certificate
 from isoembed.proof.nearby_hulls import folds_of_polygons, prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization, norm
 from isoembed.proof.rounding import GUARD, U
-from isoembed.thresholds import rounded_down, rounded_up
+from isoembed.reprs import rounded_down, rounded_up
 
 
 @dataclass(frozen=True)

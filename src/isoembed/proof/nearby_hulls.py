@@ -1,4 +1,4 @@
-"""Proof of convexity for all points near given ones, with the same faces of the convex hull.
+"""Proof of convexity for all points near given ones: same convex hull; angles between its polygons.
 
 Faces are merged across possibly flat edges into *cells*. *Near* means within a distance R, the reach, of the
 given point with the same index. For every cell, with a unit normal n, it is verified that

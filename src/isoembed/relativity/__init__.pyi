@@ -1,8 +1,8 @@
 from .energies.chen_wang_yau import ChenWangYau as ChenWangYau
 from .energies.chen_wang_yau import chen_wang_yau as chen_wang_yau
-from .energies.embedded import EmbeddedSurface as EmbeddedSurface
-from .energies.embedded import embed_surface as embed_surface
-from .energies.embedded import embedded_report as embedded_report
+from .energies.embedded_surface import EmbeddedSurface as EmbeddedSurface
+from .energies.embedded_surface import embed_surface as embed_surface
+from .energies.embedded_surface import embedded_report as embedded_report
 from .energies.energies import Energies as Energies
 from .energies.energies import Integrals as Integrals
 from .energies.mesh_energies import mesh_deviation as mesh_deviation

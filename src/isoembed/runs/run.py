@@ -1,4 +1,4 @@
-"""Scheduling of a run's tasks in chunks, restarted after killed processes."""
+"""Scheduling of a run's tasks: chunks, shards for several machines, restarts after killed processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bending energy of isometric surfaces as a quadratic form of their vertices.
+"""Bending energy of isometric surfaces as a quadratic form of their vertices, by local fits.
 
 The metric fixes the tangential part of the second derivatives, so that ``|II|^2 = |x_uu|^2 + 2 |x_uv|^2 +
 |x_vv|^2`` in flat coordinates about any vertex: a quadratic form whose matrix depends only on the lengths.

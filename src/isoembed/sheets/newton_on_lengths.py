@@ -1,4 +1,4 @@
-"""Newton's method on edge lengths: minimum-norm and Gauss-Newton steps."""
+"""Newton's method to the nearest surface with given edge lengths: minimum-norm and Gauss-Newton steps."""
 
 from __future__ import annotations
 

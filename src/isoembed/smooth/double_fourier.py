@@ -1,4 +1,4 @@
-"""Double Fourier interpolation of functions on a (theta, phi) grid.
+"""Double Fourier interpolation on a (theta, phi) grid, whose kind (uniform, Gauss-Legendre) is recognized.
 
 Extended to all theta, a smooth function on the sphere is invariant under the glide reflection (theta, phi) ->
 (-theta, phi + pi), so that the coefficient of exp(i m phi) is a cosine series in theta for even m and a sine

@@ -1,4 +1,4 @@
-"""Normals and second fundamental form of smooth surfaces."""
+"""Normals, second fundamental form and volume element of smooth surfaces."""
 
 from __future__ import annotations
 

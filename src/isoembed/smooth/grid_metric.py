@@ -20,8 +20,8 @@ from isoembed.smooth.double_fourier import (
     exact_theta,
     inner_nodes,
 )
+from isoembed.smooth.pole_checks import check_series
 from isoembed.smooth.poles import PoleSight
-from isoembed.smooth.smoothness import check_series
 from isoembed.smooth.spectrum import SCATTER, Spectrum
 from isoembed.smooth.two_metric import (
     ROUNDING,

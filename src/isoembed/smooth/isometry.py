@@ -1,4 +1,4 @@
-"""Isometry equations X_a . X_b = delta_ab in spherical harmonics, linearized densely.
+"""Isometry equations of smooth embeddings, ``X_a . X_b = delta_ab``: spherical harmonics, dense Jacobian.
 
 The derivatives X_a are taken along a frame that is orthonormal in the given metric, and the equations are
 weighted by its area, which makes them independent of scale and coordinates.

@@ -1,4 +1,4 @@
-"""Least curvature of a hyperbolic space in which a metric embeds."""
+"""Least Gaussian curvature of a metric, without bias, and of a hyperbolic space in which it embeds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spherical harmonic fit of a closed triangle mesh.
+"""Spherical harmonic fit of a closed triangle mesh: directions of its vertices, and degree.
 
 The directions of the vertices on the sphere are unknown; the distances along the normal are minimized.
 """

@@ -1,4 +1,4 @@
-"""Regularity of a metric at the poles of its grid.
+"""Regularity of a metric at the poles: misfit of its Fourier modes to those of a smooth tensor.
 
 In the orthonormal frame (e_theta, e_phi) the mean T = (Q_tt + Q_pp) / 2 of a smooth tensor is a function, and
 S = (Q_tt - Q_pp) / 2 +- i Q_tp has spin weights +-2: near a pole its component with exp(i m phi) decays like

@@ -21,7 +21,7 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.orientation import oriented
-from isoembed.smooth.smoothness import check_rings, check_within
+from isoembed.smooth.pole_checks import check_rings, check_within
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.start import Start
 from isoembed.smooth.symmetry import axis_of_symmetry

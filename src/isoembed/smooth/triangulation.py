@@ -19,7 +19,7 @@ from isoembed.reprs import short_repr
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
-from isoembed.smooth.smoothness import check_disc, check_rings
+from isoembed.smooth.pole_checks import check_disc, check_rings
 from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 from isoembed.space import EUCLIDEAN, Space
 

@@ -1,4 +1,4 @@
-"""Smooth 2-metrics on the sphere.
+"""Smooth 2-metrics on the sphere: tensors, frames, definiteness, symmetry about z, changes of coordinates.
 
 It is kept as a symmetric 3x3 matrix q with q u = 0, so that the length of the velocity v of a path of unit
 vectors is sqrt(v . q v).  No coordinate is singular anywhere; theta and phi appear only where data have them.

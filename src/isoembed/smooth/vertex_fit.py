@@ -1,4 +1,4 @@
-"""Spherical harmonic fit of vertices at given directions, and reparameterization.
+"""Spherical harmonic fit of vertices at given directions: misfit, validation, and better directions.
 
 Tangential distances have a small weight; the fit is judged by distances along the normals.
 """

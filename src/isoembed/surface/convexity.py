@@ -1,4 +1,4 @@
-"""Concave edges; inverted and partially inverted vertices (paper, section 2.2)."""
+"""Concave edges; inverted and partially inverted vertices (paper, section 2.2); depths of dents."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Dihedral angles and mean curvature H = (k1 + k2) / 2 of a triangulated surface.
+"""Dihedral angles, mean curvature H = (k1 + k2) / 2 and bending energy of a triangulated surface.
 
 In relativity, the mean curvature is k = k1 + k2 = 2 H, with twice the `integrated_mean_curvature`.
 """

@@ -1,4 +1,4 @@
-"""Rigidity matrix J of a surface: factorization, Newton steps on lengths, singular values.
+"""Rigidity matrix J of a surface: entries, factorization, Newton steps on lengths, singular values.
 
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from isoembed.relativity.energies.energies import Energies, Integrals
-from isoembed.relativity.energies.quadrature import intrinsic_energies, smooth_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies, smooth_energies
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics

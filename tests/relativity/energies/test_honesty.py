@@ -5,7 +5,7 @@ import pytest
 
 from isoembed.errors import InvalidMetric
 from isoembed.relativity import KerrSchild, StarSurface, SurfaceData, embed_surface
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 from isoembed.smooth import GridMetric
 
 RADIUS, MASS = 4.0, 1.0

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import directions_at
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 from isoembed.relativity.horizons.horizon import horizon_data
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spin import find_spin, spin_report

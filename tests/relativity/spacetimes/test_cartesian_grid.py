@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.relativity.energies.embedded import embed_surface
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.embedded_surface import embed_surface
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 from isoembed.relativity.spacetimes.cartesian_grid import (
     PERIOD,
     CartesianGrid,

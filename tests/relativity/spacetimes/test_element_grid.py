@@ -5,7 +5,7 @@ import pytest
 
 from elements import gauss, gauss_lobatto, shell
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.energies.embedded import embed_surface
+from isoembed.relativity.energies.embedded_surface import embed_surface
 from isoembed.relativity.spacetimes.element_grid import Element, ElementGrid
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild

@@ -12,7 +12,7 @@ from isoembed.relativity import (
     SurfaceData,
     read_grid_data,
 )
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 from isoembed.smooth import GridMetric, UncertainFunction, Uncertainty
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.two_metric import angle_frame, area_density

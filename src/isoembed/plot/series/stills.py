@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from isoembed.plot.drawn import space_name
+from isoembed.plot.curved_space import space_name
 from isoembed.plot.panel import Panel
 from isoembed.plot.placed import Scale, placed_figure
 from isoembed.plot.series.labels import CURVATURE, escaped

@@ -26,7 +26,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.energies.quadrature import (
+from isoembed.relativity.energies.smooth_energies import (
     FEWEST_HEIGHTS,
     GROWTH,
     RTOL,

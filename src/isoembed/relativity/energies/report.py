@@ -7,9 +7,14 @@ from typing import Any
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import NotEmbedded
-from isoembed.relativity.energies.embedded import CONVENTIONS, conventions, intrinsic_entries, space_report
+from isoembed.relativity.energies.embedded_surface import (
+    CONVENTIONS,
+    conventions,
+    intrinsic_entries,
+    space_report,
+)
 from isoembed.relativity.energies.energies import Energies
-from isoembed.relativity.energies.quadrature import intrinsic_energies
+from isoembed.relativity.energies.smooth_energies import intrinsic_energies
 from isoembed.relativity.horizons.conformal_multipoles import multipole_lines
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon_shape import shape_lines

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NotEmbedded
-from isoembed.relativity.energies.quadrature import smooth_energies
+from isoembed.relativity.energies.smooth_energies import smooth_energies
 from isoembed.relativity.energies.time_function import TimeFunction, TimeRaisedMetric
 from isoembed.relativity.energies.wang_yau_result import WangYau, inadmissible
 from isoembed.relativity.energies.wang_yau_search import Search

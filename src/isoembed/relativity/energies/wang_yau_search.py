@@ -1,4 +1,4 @@
-"""Minimization of the Wang-Yau functional over time functions."""
+"""Minimization of the Wang-Yau functional over time functions, in harmonics of increasing degree."""
 
 from __future__ import annotations
 

@@ -113,7 +113,8 @@ class Equations:
     low : LowDegrees
     linear : LinearizedExpansion
     shift : float
-        Number subtracted from the stability operator; see `isoembed.relativity.horizons.stability`.
+        Number subtracted from the stability operator; see
+        `isoembed.relativity.horizons.principal_eigenvalue`.
     free : bool
         Whether the mean of f is fixed; the first unknown is then a constant change of the expansion.
     """

@@ -13,8 +13,8 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.foliated_horizon import NODES, foliated_horizon
 from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near, refined_horizon
 from isoembed.relativity.horizons.hole_groups import HoleGroup, hole_groups, holes_inside
+from isoembed.relativity.horizons.inner_foliation import foliated_inwards
 from isoembed.relativity.horizons.newton import FAILURES
-from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap

@@ -1,4 +1,4 @@
-"""Result of the horizon finder: surface, residual, errors and stability."""
+"""Found horizons: Newton's method from a guess; surface, residual, errors and stability."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from isoembed.arrays import Floats
 from isoembed.evidence import Evidence
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.normal_image import NormalImage
+from isoembed.relativity.horizons.principal_eigenvalue import principal_eigenvalue
 from isoembed.relativity.horizons.radial_image import RadialImage, is_symmetric
 from isoembed.relativity.horizons.refinement import End, Image, Refined, refined
-from isoembed.relativity.horizons.stability import principal_eigenvalue
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface

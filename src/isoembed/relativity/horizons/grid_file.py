@@ -1,4 +1,4 @@
-"""Reader for metrics and data on (theta, phi) grids."""
+"""Reader for metrics and data on (theta, phi) grids, distinguished from metrics on triangles."""
 
 import os
 import re

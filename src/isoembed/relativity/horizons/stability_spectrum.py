@@ -1,4 +1,4 @@
-"""Spectrum of the stability operator of a marginally outer trapped surface.
+"""Spectrum of the stability operator of a marginally outer trapped surface: n eigenvalues, with errors.
 
 The operator is in general not self-adjoint unless the slice is time-symmetric; complex eigenvalues come in
 conjugate pairs.  The principal eigenvalue, that of least real part, is real.  Eigenfunctions are expanded in
@@ -29,7 +29,7 @@ from isoembed.meshing.surface_mesh import checked_count
 from isoembed.relativity.horizons.discretization import DEALIASING
 from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, linearized
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
-from isoembed.relativity.horizons.stability import SETTLED
+from isoembed.relativity.horizons.principal_eigenvalue import SETTLED
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry

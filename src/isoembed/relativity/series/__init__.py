@@ -1,1 +1,1 @@
-"""Series: horizons of a whole evolution with their slices, embedded."""
+"""Series: horizons of a whole evolution, embedded; readers for slices of Carpet, Chombo, AMReX, AthenaK."""

@@ -15,7 +15,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.io.files import FileError
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
-from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface, embedded_report
+from isoembed.relativity.energies.embedded_surface import EmbeddedSurface, embed_surface, embedded_report
 from isoembed.relativity.energies.report import checked_report, unembedded_report
 from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape

@@ -1,4 +1,4 @@
-"""Time steps of a series from files and folders."""
+"""Time steps of a series from files and folders: horizons, and their slices if there are any."""
 
 import os
 import re

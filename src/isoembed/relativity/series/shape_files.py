@@ -1,4 +1,4 @@
-"""Index of horizon files: their series and moments."""
+"""Index of horizon files: their series, with iterations and times, also from the finder's tables."""
 
 import contextlib
 import os

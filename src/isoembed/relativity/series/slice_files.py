@@ -1,4 +1,4 @@
-"""Index of slice files: format, moments, reader.
+"""Slice files: recognition of their format, from Cartesian grids to SpECTRE; their times; reading.
 
 A format is one `SliceFormat` in the list at the end of this module.  Files of Chombo, AMReX and AthenaK are
 read by code of ours, not with yt: yt 4.4 takes 385 MB with its dependencies (Matplotlib, SymPy, unyt and

@@ -1,4 +1,4 @@
-"""Slices on a Cartesian grid, interpolated to eighth order."""
+"""Slices on a Cartesian grid, interpolated to eighth order, with estimates of noise and truncation."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""Validation of input: numbers, vectors, points, and metrics at points."""
+"""Validation of input: numbers, vectors, fields of spacetimes, points, and metrics at points."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from math import isfinite
 from typing import Any
 
@@ -45,6 +46,19 @@ def numbers(values: ArrayLike) -> Floats:
         return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         return np.array(np.nan)
+
+
+def make_finite(instance: Any, name: str) -> None:
+    """Convert the fields of a frozen dataclass to floats.  Raises `InvalidParameter`: one is not finite."""
+    for parameter in fields(instance):
+        setting = getattr(instance, parameter.name)
+        value = numbers(setting)
+        if value.ndim:
+            axis = ", about the z-axis" if parameter.name == "spin" else ""
+            raise InvalidParameter(f"{name}: {parameter.name} must be one number{axis}, not {setting}")
+        if not isfinite(value):
+            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {setting}")
+        object.__setattr__(instance, parameter.name, float(value))
 
 
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:

@@ -1,4 +1,4 @@
-"""Surfaces r = R(theta) in slices t = const of Kerr-Newman spacetimes (Boyer-Lindquist coordinates).
+"""Kerr-Newman horizon, spheres and ergosphere as surfaces of slices t = const; Smarr's limit of embedding.
 
 Formulas are in units of the mass with s = sin^2(theta), as in `isoembed.gallery.kerr`, which has the same
 2-metric; Schwarzschild is spin 0.
@@ -6,10 +6,10 @@ Formulas are in units of the mass with s = sin^2(theta), as in `isoembed.gallery
 
 # ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from math import hypot, isfinite, pi, sqrt
-from typing import Any, ClassVar
+from math import hypot, pi, sqrt
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.gallery import kerr
 from isoembed.gallery.kerr import Radius, Squares
 from isoembed.gallery.quadrature import integrate, tanh_sinh
-from isoembed.relativity.spacetimes.checks import numbers
+from isoembed.relativity.spacetimes.checks import make_finite
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.two_metric import from_angles
@@ -334,19 +334,6 @@ def embeddability(surface: KerrNewmanSurface) -> str:
         f"{surface.name} with r_+ = {r:.9g} {relation} sqrt(3) a = {sqrt(3.0) * a:.9g}"
         f" (it embeds up to spin {limit:.9g}; Smarr 1973): {explanation}"
     )
-
-
-def make_finite(surface: Any, name: str) -> None:
-    """Convert the fields of a frozen dataclass to floats.  Raises `InvalidParameter`: one is not finite."""
-    for parameter in fields(surface):
-        setting = getattr(surface, parameter.name)
-        value = numbers(setting)
-        if value.ndim:
-            axis = ", about the z-axis" if parameter.name == "spin" else ""
-            raise InvalidParameter(f"{name}: {parameter.name} must be one number{axis}, not {setting}")
-        if not isfinite(value):
-            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {setting}")
-        object.__setattr__(surface, parameter.name, float(value))
 
 
 def sin2(u: Floats) -> Floats:

@@ -29,7 +29,8 @@ from scipy.optimize import brentq
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.kerr import make_finite, rotation_about_z, sin2
+from isoembed.relativity.spacetimes.checks import make_finite
+from isoembed.relativity.spacetimes.kerr import rotation_about_z, sin2
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.two_metric import from_angles
 

@@ -1,4 +1,4 @@
-"""Slices of spacetime: the metric, its gradient, and the extrinsic curvature.
+"""Slices of spacetime: metric, gradient, extrinsic curvature; slices from functions; their checks.
 
 Signs are those of Alcubierre and of Baumgarte and Shapiro:
 ``K_ij = -(d_t gamma_ij - L_beta gamma_ij) / (2 alpha)``, and outgoing light rays expand by

@@ -11,10 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 import isoembed
-from isoembed.cli.options import add_json_option, add_output_option
-from isoembed.cli.outputs import Outputs, print_written, written
-from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
-from isoembed.cli.screen import (
+from isoembed.cli.console import (
     NOT_EMBEDDED,
     OK,
     UsageError,
@@ -24,6 +21,9 @@ from isoembed.cli.screen import (
     print_json,
     print_out,
 )
+from isoembed.cli.options import add_json_option, add_output_option
+from isoembed.cli.outputs import Outputs, print_written, written
+from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.summary import INTEGRALS, bending, measure, summary
 from isoembed.cli.waiting import suspended
 from isoembed.errors import NotEmbedded

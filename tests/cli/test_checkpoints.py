@@ -13,7 +13,7 @@ import pytest
 import counting
 import zoo
 from isoembed import PolyhedralMetric, methods
-from isoembed.cli import interruption, main
+from isoembed.cli import checkpoints, main
 from isoembed.cli.signals import Interruption, handled
 from isoembed.io import read_checkpoint, read_metric, write_metric
 from isoembed.progress.stages import StageRecorder
@@ -163,14 +163,14 @@ def test_without_a_second_place_it_is_lost_and_said(run, here, monkeypatch):
 @pytest.fixture
 def always(monkeypatch):
     """Every new checkpoint is written; the paths of those that were, in order."""
-    monkeypatch.setattr(interruption, "PERIOD", 0.0)
-    written, write = [], interruption.write_atomically
+    monkeypatch.setattr(checkpoints, "PERIOD", 0.0)
+    written, write = [], checkpoints.write_atomically
 
     def seen(writers):
         write(writers)
         written.extend(str(path) for path in writers)
 
-    monkeypatch.setattr(interruption, "write_atomically", seen)
+    monkeypatch.setattr(checkpoints, "write_atomically", seen)
     return written
 
 
@@ -181,7 +181,7 @@ def test_a_long_run_leaves_checkpoints_and_removes_them_in_the_end(run, always):
 
 
 def test_a_short_one_leaves_none(run, monkeypatch):
-    monkeypatch.setattr(interruption, "write_atomically", None)
+    monkeypatch.setattr(checkpoints, "write_atomically", None)
     assert run("--method", "counting", "-o", "a.ply") == (0, "")
 
 
@@ -213,7 +213,7 @@ def test_if_the_answer_cannot_be_written_the_checkpoint_stays(run, always, monke
     def full(path):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("isoembed.cli.answer.surface_writer", lambda path, surface: full)
+    monkeypatch.setattr("isoembed.cli.embedding_output.surface_writer", lambda path, surface: full)
     status, err = run("--method", "counting", "-o", "a.ply")
     assert status == 2
     assert "cannot write a.ply: No space left on device; the checkpoint is in a.ply.checkpoint.npz: " in err

@@ -1,4 +1,4 @@
-"""Stability: principal eigenvalue of the stability operator.
+"""Principal eigenvalue of the stability operator, which decides whether a found horizon is stable.
 
 ``L psi`` is the change of the expansion for an outward displacement psi of the surface.  The eigenvalue of
 least real part is real, with a positive eigenfunction.  A horizon is stable if it is not negative; it is then

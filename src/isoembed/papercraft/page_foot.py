@@ -1,4 +1,4 @@
-"""Page margins: ruler, legend, page number, corner marks."""
+"""Foot and corners of each page: ruler, legend, page number, corner marks."""
 
 from __future__ import annotations
 

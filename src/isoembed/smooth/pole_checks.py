@@ -1,4 +1,4 @@
-"""Rejection of metrics that are not smooth tensors at the poles, with a diagnosis of the likely mistake."""
+"""Checks of metrics at the poles: error messages, with a diagnosis of the likely mistake."""
 
 from __future__ import annotations
 

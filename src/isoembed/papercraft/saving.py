@@ -1,4 +1,4 @@
-"""Output of nets in SVG, PDF, DXF and as browser pages."""
+"""Saving of nets as SVG, PDF, DXF and browser pages, by file name ending."""
 
 from __future__ import annotations
 

@@ -16,8 +16,8 @@ import pytest
 
 import zoo
 from isoembed import Embedding, PolyhedralMetric
-from isoembed.io import FileError, expansion, read_metric, write_surface
-from isoembed.io.expansion import ExpansionThresholds
+from isoembed.io import FileError, decompression_limit, read_metric, write_surface
+from isoembed.io.decompression_limit import ExpansionThresholds
 from isoembed.relativity.spacetimes.slice_file import GAMMA, read_cartesian_grid
 
 VERTICES, FACES = zoo.icosphere(1)
@@ -26,7 +26,7 @@ VERTICES, FACES = zoo.icosphere(1)
 @pytest.fixture
 def bounded(monkeypatch):
     """Little files are bombs, too."""
-    monkeypatch.setattr(expansion, "EXPANSION", ExpansionThresholds(spare=10_000))
+    monkeypatch.setattr(decompression_limit, "EXPANSION", ExpansionThresholds(spare=10_000))
 
 
 def npy(shape, data):

@@ -1,4 +1,4 @@
-"""Spectral quadrature of energies over the sphere."""
+"""Quasi-local energies of a smooth embedding by spectral quadrature, with errors."""
 
 from __future__ import annotations
 

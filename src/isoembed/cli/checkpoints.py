@@ -8,8 +8,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from isoembed.cli.console import UsageError, print_error
 from isoembed.cli.outputs import Outputs
-from isoembed.cli.screen import UsageError, print_error
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
 from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_atomically

@@ -1,4 +1,4 @@
-"""Decompression limits, against decompression bombs."""
+"""Limit of the decompressed size of input files, against decompression bombs."""
 
 from dataclasses import dataclass
 

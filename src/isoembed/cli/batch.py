@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from isoembed.cli.screen import NOT_EMBEDDED, OK, WRONG, is_terminal, print_error
+from isoembed.cli.console import NOT_EMBEDDED, OK, WRONG, is_terminal, print_error
 from isoembed.cli.waiting import suspended
 from isoembed.io import FileError
 from isoembed.runs import Outcome, Result, Shard, Store, Task, Wish, Workers, run

@@ -8,7 +8,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.meshing.metric_relaxation import FLIP_ROUNDS, MAX_GEODESICS, MetricMesh
 from isoembed.relativity import KerrNewmanErgosphere, KerrNewmanHorizon, KerrSchild, StarSurface
 from isoembed.smooth import AngleMetric, GridMetric, embed_smooth, triangulate_metric
-from isoembed.smooth.smoothness import check_rings, check_within
+from isoembed.smooth.pole_checks import check_rings, check_within
 
 THETA = {
     "cell-centered": lambda n: (np.arange(n) + 0.5) * np.pi / n,

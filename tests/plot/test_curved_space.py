@@ -7,7 +7,7 @@ import zoo
 from isoembed import Embedding, PolyhedralMetric, Space
 from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.plot import Film, animation, figure, quantity, write_animation
-from isoembed.plot.drawn import MAX_BEND, MAX_PIECES, Drawn
+from isoembed.plot.curved_space import MAX_BEND, MAX_PIECES, Drawn
 from isoembed.plot.infinity import ball
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.view import Pose, View

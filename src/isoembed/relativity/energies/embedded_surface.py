@@ -13,7 +13,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbed
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.energies.chen_wang_yau import ChenWangYau, chen_wang_yau
 from isoembed.relativity.energies.energies import Energies
-from isoembed.relativity.energies.quadrature import smooth_energies
+from isoembed.relativity.energies.smooth_energies import smooth_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.horizon_shape import HorizonShape
