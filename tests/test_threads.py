@@ -60,7 +60,49 @@ def test_tasks_run_at_once_and_start_no_more_threads():
     with threadpool_limits(2):
         TaskGraph([(), ()]).run(task)
         assert thread_count() == 2 and blas_threads() == {2}
-    assert inside == [(1, {1})] * 2
+    assert inside == [(2, {1})] * 2
+
+
+def test_threads_without_a_task_take_part_in_the_runs_within_others():
+    both = threading.Barrier(2, timeout=60)
+    done = []
+
+    def inner(t):
+        both.wait()  # another thread runs the other one
+        done.append(t)
+
+    with threadpool_limits(2):
+        TaskGraph([(), (0,)]).run(lambda t: TaskGraph([(), ()]).run(inner))
+    assert sorted(done) == [0, 0, 1, 1]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.integers(0, 9), min_size=1, max_size=9), st.integers(1, 4))
+def test_runs_within_tasks_end_before_these(counts, threads):
+    done = []
+
+    def task(t):
+        inside = []
+        run_ranges(inside.extend, counts[t], 1)
+        assert sorted(inside) == list(range(counts[t]))
+        done.append(t)
+
+    with threadpool_limits(threads):
+        TaskGraph([() if t == 0 else (t // 2,) for t in range(len(counts))]).run(task)
+    assert sorted(done) == list(range(len(counts)))
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_an_exception_within_a_task_ends_it_and_may_be_caught(threads):
+    def task(t):
+        with pytest.raises(ZeroDivisionError):
+            TaskGraph([(), (0,), (0,)]).run(lambda k: 1 / k)
+
+    with threadpool_limits(threads):
+        TaskGraph([(), (), (0,)]).run(task)
+        with pytest.raises(ZeroDivisionError):
+            TaskGraph([(), ()]).run(lambda t: TaskGraph([(), (0,)]).run(lambda k: 1 / k))
+    assert threading.active_count() == 1
 
 
 @pytest.mark.parametrize("threads", [1, 3])

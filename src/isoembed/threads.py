@@ -6,6 +6,9 @@ for any number of threads.
 
 While they run, BLAS has one thread: the threads of OpenBLAS share vectors that are too short for that, and
 wait for more work in a loop.  It can be limited in the main thread only; in others nothing is divided.
+
+A task may run a graph of its own, of which threads that have no task do a part: the last fronts of an
+elimination tree are the largest, and wait for one another.
 """
 
 from __future__ import annotations
@@ -25,37 +28,45 @@ MAX_THREADS = 8  # elimination trees of surfaces have no work for more
 
 _LIBRARIES = ("OPENBLAS", "MKL", "BLIS")  # that may be BLAS
 
-_reserved: ContextVar[int | None] = ContextVar("_reserved", default=None)
+_reserved: ContextVar[_Team | None] = ContextVar("_reserved", default=None)
 
 
 def thread_count() -> int:
-    """Number of threads available to `TaskGraph.run`; 1 outside the main thread."""
+    """Number of threads available to `TaskGraph.run`: in the main thread and within its tasks, or else 1."""
+    team = _member.team or (_reserved.get() if _in_main_thread() else None)
+    if team is not None:
+        return team.count
     if not _in_main_thread():
         return 1
-    reserved = _reserved.get()
-    if reserved is not None:
-        return reserved
     numbers = [library.num_threads for library in _blas().lib_controllers]
     return min([*(numbers or [_wanted()]), MAX_THREADS])
 
 
 def reserve_threads_of_process() -> None:
     """Limit BLAS to one thread for a whole process, in which NumPy has not been imported yet."""
-    _reserved.set(min(_wanted(), MAX_THREADS))
+    _reserved.set(_Team(min(_wanted(), MAX_THREADS)))
     for name in _LIBRARIES:
         os.environ[f"{name}_NUM_THREADS"] = "1"
 
 
 @contextmanager
 def reserve_threads(count: int | None = None) -> Iterator[None]:
-    """Limit BLAS to one thread and reserve the cores for `TaskGraph.run`, with `count` threads at most."""
-    limited = _reserved.get() is not None or not _in_main_thread()
-    before = _reserved.set(thread_count() if count is None else count)
+    """Limit BLAS to one thread and reserve the cores for `TaskGraph.run`, with `count` threads at most.
+
+    The threads are started when they are needed first, and end with the reservation.
+    """
+    outer = _reserved.get()
+    if outer is not None and count in (None, outer.count):
+        yield
+        return
+    team = _Team(thread_count() if count is None else count)
+    before = _reserved.set(team)
     try:
-        with nullcontext() if limited else _blas().limit(limits=1):
+        with nullcontext() if outer is not None or not _in_main_thread() else _blas().limit(limits=1):
             yield
     finally:
         _reserved.reset(before)
+        team.end()
 
 
 def _in_main_thread() -> bool:
@@ -111,57 +122,73 @@ class TaskGraph:
     before: Sequence[Sequence[int]]
 
     def run(self, task: Callable[[int], object]) -> None:
-        """Run all tasks, several at once, and none after one has failed."""
-        # The cores may be reserved already, for thousands of short runs.
-        with reserve_threads() if _reserved.get() is None else nullcontext():
-            threads = min(thread_count(), len(self.before)) if len(self.before) > 1 else 1
-            if threads <= 1:
+        """Run all tasks, several at once, and none after one has failed.
+
+        Within a task of another run the threads of that run take part.
+        """
+        if len(self.before) > 1 and _member.team is not None:
+            _member.team.join(_Run(self, task))
+            return
+        with reserve_threads():
+            team = _reserved.get()
+            if len(self.before) > 1 and team is not None and thread_count() > 1:
+                team.share(_Run(self, task))
+            else:
                 for t in self.order:
                     task(t)
-            else:
-                _Run(self, task).share(threads)
 
     @cached_property
     def order(self) -> list[int]:
         """The order in which one thread runs them."""
-        order: list[int] = []
-        _Run(self, order.append).work(0)
+        run, order = _Run(self, lambda t: None), []
+        while run.ready:
+            order.append(run.begin(0.0))
+            run.finish(order[-1])
         return order
 
 
 class _Run:
-    """State of a run, shared by its threads."""
+    """State of a run."""
 
     def __init__(self, graph: TaskGraph, task: Callable[[int], object]) -> None:
-        self._task = task
+        self.task = task
         self._missing = [len(before) for before in graph.before]
         self._after: list[list[int]] = [[] for _ in graph.before]
         for t, before in enumerate(graph.before):
             for earlier in before:
                 self._after[earlier].append(t)
-        self._ready = [t for t, missing in enumerate(self._missing) if missing == 0]
-        self._waiting = len(self._missing)  # tasks not begun
-        self._changed = threading.Condition()
+        self.ready = [t for t, missing in enumerate(self._missing) if missing == 0]
+        self.ended = threading.Event()
+        self._running = 0
+        self._unfinished = len(self._missing)
         self._failure: BaseException | None = None
 
-    def share(self, count: int) -> None:
-        """Run all tasks in new threads.
+    def begin(self, place: float) -> int:
+        """Take the ready task whose number is nearest to a place between 0 and 1."""
+        at = place * (len(self._missing) - 1)
+        t = min(self.ready, key=lambda t: abs(t - at))
+        self.ready.remove(t)
+        self._running += 1
+        return t
 
-        The main thread only waits, as signals may interrupt it anywhere.
-        """
-        last = len(self._missing) - 1
-        threads = [threading.Thread(target=self.work, args=(k * last / (count - 1),)) for k in range(count)]
-        try:
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
-        except BaseException as error:
-            self._end(error)
-            for thread in threads:
-                if thread.ident is not None:
-                    thread.join()
-            raise
+    def finish(self, t: int) -> None:
+        """Note that a task is done or has failed: others may be ready, or none may be left."""
+        self._running -= 1
+        self._unfinished -= 1
+        for later in self._after[t]:
+            self._missing[later] -= 1
+            if self._missing[later] == 0 and self._failure is None:
+                self.ready.append(later)
+        self._check_end()
+
+    def fail(self, error: BaseException) -> None:
+        """Begin no more tasks."""
+        self._failure = self._failure or error
+        self.ready = []
+        self._check_end()
+
+    def raise_failure(self) -> None:
+        """Raise what a task has raised."""
         failure, self._failure = self._failure, None
         if failure is not None:
             try:
@@ -169,36 +196,100 @@ class _Run:
             finally:
                 del failure  # whose traceback has this frame
 
-    def work(self, place: float) -> None:
-        """Run tasks until none is left, those whose numbers are near to a place first."""
+    def _check_end(self) -> None:
+        if self._unfinished == 0 or (self._failure is not None and self._running == 0):
+            self.ended.set()
+
+
+class _Member(threading.local):
+    """The team of a thread, and its place in it."""
+
+    team: _Team | None = None
+    place = 0.0
+
+
+_member = _Member()
+
+
+class _Team:
+    """Threads that share the tasks of a run, and of runs within these."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._threads: list[threading.Thread] = []
+        self._runs: list[_Run] = []  # that have not ended, inner ones last
+        self._changed = threading.Condition()
+        self._ended = False
+
+    def share(self, run: _Run) -> None:
+        """Run all tasks; the main thread only waits, as signals may interrupt it anywhere."""
         try:
-            while (t := self._next(place)) is not None:
-                self._task(t)
-                self._finish(t)
+            for k in range(len(self._threads), self.count):
+                thread = threading.Thread(target=self._work, args=(k,), daemon=True)
+                thread.start()
+                self._threads.append(thread)
+            self._add(run)
+            run.ended.wait()
         except BaseException as error:
-            self._end(error)
+            with self._changed:
+                run.fail(error)
+            run.ended.wait()  # for tasks that have begun
+            raise
+        finally:
+            self._remove(run)
+        run.raise_failure()
 
-    def _next(self, place: float) -> int | None:
+    def join(self, run: _Run) -> None:
+        """Run all tasks within a task: threads that have no other take some."""
+        self._add(run)
+        self._take_part(lambda: [run], run.ended.is_set)
+        self._remove(run)
+        run.raise_failure()
+
+    def end(self) -> None:
+        """End the threads."""
         with self._changed:
-            while not self._ready and self._waiting:
+            self._ended = True
+            self._changed.notify_all()
+        for thread in self._threads:
+            thread.join()
+
+    def _add(self, run: _Run) -> None:
+        with self._changed:
+            self._runs.append(run)
+            self._changed.notify_all()
+
+    def _remove(self, run: _Run) -> None:
+        with self._changed:
+            if run in self._runs:
+                self._runs.remove(run)
+
+    def _work(self, k: int) -> None:
+        _member.team, _member.place = self, k / (self.count - 1)
+        self._take_part(lambda: self._runs[::-1], lambda: self._ended)
+
+    def _take_part(self, runs: Callable[[], list[_Run]], over: Callable[[], bool]) -> None:
+        """Run tasks of the first run that has any, and wait for more, until it is over."""
+        while (begun := self._next(runs, over)) is not None:
+            self._complete(*begun)
+            del begun  # or it would live while the thread waits
+
+    def _next(self, runs: Callable[[], list[_Run]], over: Callable[[], bool]) -> tuple[_Run, int] | None:
+        with self._changed:
+            while not over():
+                for run in runs():
+                    if run.ready:
+                        return run, run.begin(_member.place)
                 self._changed.wait()
-            if not self._waiting:
-                return None
-            t = min(self._ready, key=lambda t: abs(t - place))
-            self._ready.remove(t)
-            self._waiting -= 1
-            return t
+        return None
 
-    def _finish(self, t: int) -> None:
-        with self._changed:
-            for later in self._after[t]:
-                self._missing[later] -= 1
-                if self._missing[later] == 0:
-                    self._ready.append(later)
-            self._changed.notify_all()
-
-    def _end(self, error: BaseException) -> None:
-        with self._changed:
-            self._failure = self._failure or error
-            self._waiting = 0
-            self._changed.notify_all()
+    def _complete(self, run: _Run, t: int) -> None:
+        try:
+            run.task(t)
+        except BaseException as error:
+            with self._changed:
+                run.fail(error)
+        finally:
+            with self._changed:
+                run.finish(t)
+                self._changed.notify_all()

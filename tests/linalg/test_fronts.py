@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from isoembed.linalg import fronts
 from isoembed.linalg.fronts import beginning, eliminate_columns, extend, room_to_multiply
+from isoembed.threads import reserve_threads
 
 
 def triangle(matrix):
@@ -32,7 +34,20 @@ def eliminated(matrix, k, least, precision=np.float64):
 
 @pytest.mark.parametrize(
     ("m", "k"),
-    [(1, 1), (2, 1), (5, 3), (9, 4), (9, 9), (30, 13), (80, 16), (81, 16), (520, 300), (140, 66), (150, 150)],
+    [
+        (1, 1),
+        (2, 1),
+        (5, 3),
+        (9, 4),
+        (9, 9),
+        (30, 13),
+        (80, 16),
+        (81, 16),
+        (520, 300),
+        (140, 66),
+        (150, 150),
+        (700, 300),
+    ],
 )
 @pytest.mark.parametrize(("negative", "precision"), [(0, np.float64), (1, np.float64), (0, np.float32)])
 def test_rows_and_what_is_left_are_those_of_dense_elimination(m, k, negative, precision):
@@ -47,6 +62,25 @@ def test_rows_and_what_is_left_are_those_of_dense_elimination(m, k, negative, pr
         row = front[beginning(j, m) : beginning(j + 1, m)]
         D[j], L[j:, j] = row[0], row / row[0]
     np.testing.assert_allclose((L * D) @ L[:k].T, matrix[:, :k], atol=error)
+
+
+def test_products_have_the_same_bits_for_any_number_of_threads():
+    matrix = random_symmetric(700, 0)
+    found = []
+    for count in (1, 2, 3):
+        with reserve_threads(count):
+            found.append(eliminated(matrix, 600, 0.0)[0])
+    np.testing.assert_array_equal(found[1:], found[:1] * 2)
+
+
+def test_errors_in_threads_are_raised(monkeypatch):
+    def fail(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(fronts, "run_ranges", fail)
+    for k in (256, 400):  # in a part of the columns, and after all of them
+        with pytest.raises(MemoryError):
+            eliminated(random_symmetric(1200 if k == 256 else 700, 0), k, 0.0)
 
 
 @given(st.integers(2, 12), st.integers(0, 10**6))

@@ -1,3 +1,4 @@
+# cython: boundscheck=False, wraparound=False, initializedcheck=False
 # Products of matrices for compiled modules, by the BLAS of SciPy: no lock of the interpreter is needed.
 
 from scipy.linalg.cython_blas cimport dgemm, sgemm
@@ -8,14 +9,11 @@ ctypedef fused Number:
 
 
 cdef inline void multiply_transposed(
-    Number[::1] room, long long left, long long right, long long product,
-    long long k, long long width, long long begin, long long end,
+    Number[::1] work, long long k, long long rows, Number[::1] right, long long stride, long long columns,
 ) noexcept nogil:
-    cdef int rows = end - begin, columns = width - begin, inner = k, stride = width
+    cdef int m = rows, n = columns, inner = k, ld = stride
     cdef Number one = 1, zero = 0
     if Number is double:
-        dgemm("N", "T", &columns, &rows, &inner, &one, &room[right + begin], &stride,
-              &room[left + begin], &stride, &zero, &room[product], &columns)
+        dgemm("N", "T", &n, &m, &inner, &one, &right[0], &ld, &work[0], &m, &zero, &work[k * rows], &n)
     else:
-        sgemm("N", "T", &columns, &rows, &inner, &one, &room[right + begin], &stride,
-              &room[left + begin], &stride, &zero, &room[product], &columns)
+        sgemm("N", "T", &n, &m, &inner, &one, &right[0], &ld, &work[0], &m, &zero, &work[k * rows], &n)

@@ -1,17 +1,16 @@
 """Matrix products by BLAS for compiled modules, declared in ``blas.pxd``; by NumPy in interpreted runs."""
 
+import numpy as np
+
 from isoembed.arrays import Floats
 
 
-def multiply_transposed(
-    room: Floats, left: int, right: int, product: int, k: int, width: int, begin: int, end: int
-) -> None:
-    """Multiply the transpose of a matrix by another, from a column on, all three stored in one array.
+def multiply_transposed(work: Floats, k: int, rows: int, right: Floats, stride: int, columns: int) -> None:
+    """Multiply the transpose of a matrix by another.
 
-    The two are (k, width), by rows, and begin at the entries `left` and `right`. The product of the columns
-    from `begin` to `end` of the first with those from `begin` on of the second is stored by rows, from the
-    entry `product` on.
+    The first is (k, rows), by rows, and begins an array, in which the product follows, (rows, columns), by
+    rows. The other is (k, columns), and its rows are `stride` numbers apart.
     """
-    a, b = (room[at : at + k * width].reshape(k, width) for at in (left, right))
-    values = a[:, begin:end].T @ b[:, begin:]
-    room[product : product + values.size] = values.ravel()
+    a = work[: k * rows].reshape(k, rows)
+    b = np.lib.stride_tricks.as_strided(right, (k, columns), (stride * right.itemsize, right.itemsize))
+    work[k * rows :][: rows * columns] = (a.T @ b).ravel()

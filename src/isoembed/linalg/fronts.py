@@ -8,20 +8,27 @@ double or of single precision.
 
 from __future__ import annotations
 
+from functools import partial
+
 import cython
 import numpy as np
 from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 from cython.cimports.isoembed.linalg.blas import multiply_transposed
 from cython.cimports.isoembed.linalg.prefetch import prefetch
 
+from isoembed.threads import run_ranges
+
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
 # columns whose products are subtracted from all rows below at once
 BLOCK = cython.declare(cython.longlong, 256)
-TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
-# from so many columns on, and for so many rows below, a library multiplies faster
+# rows and columns of a part of the product, which stays in the cache; little above the diagonal is multiplied
+HEIGHT, WIDTH = cython.declare(cython.longlong, 128), cython.declare(cython.longlong, 1024)
+# multiplications from which on threads share the parts: to wake one takes the time of a hundredth of them
+SHARED = cython.declare(cython.longlong, 1 << 24)
 AHEAD = cython.declare(cython.longlong, 2048)  # entries of L from its use on; larger factors wait for memory
+# from so many columns on, and for so many rows below, a library multiplies faster
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
 
@@ -30,7 +37,8 @@ NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longl
 @cython.exceptval(check=False)
 def room_to_multiply(k: Int, m: Int) -> Int:
     """Entries of the array in which `eliminate_columns` multiplies matrices, for k of m columns."""
-    return 0 if k < NARROW else (2 * min(k, BLOCK) + TILE) * m
+    wide = min(k, BLOCK)
+    return 0 if k < NARROW else wide * (m + 1) + min(HEIGHT, m) * (wide + min(WIDTH, m))
 
 
 def largest_room(nodes: object, first: Int, last: Int):
@@ -67,8 +75,8 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 
 @cython.ccall
 @cython.nogil
-@cython.exceptval(check=False)
-def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.bint:
+@cython.exceptval(-1)
+def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.int:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, 256):
         last = min(first + BLOCK, k)
@@ -84,10 +92,10 @@ def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Num
 
 @cython.cfunc
 @cython.nogil
-@cython.exceptval(check=False)
+@cython.exceptval(-1)
 def _eliminate_half(
     front: Number[::1], first: Int, last: Int, m: Int, least: Real, room: Number[::1]
-) -> cython.bint:
+) -> cython.int:
     """Eliminate some columns from their own rows, the second half after what the first contributes to it."""
     if last - first <= NARROW:
         return _eliminate_few(front, first, last, m, last, least)
@@ -143,27 +151,71 @@ def _eliminate_few(front: Number[::1], first: Int, last: Int, m: Int, end: Int, 
 
 @cython.cfunc
 @cython.nogil
-@cython.exceptval(check=False)
+@cython.exceptval(-1)
 def _subtract_products(
     front: Number[::1], first: Int, last: Int, top: Int, bottom: Int, m: Int, room: Number[::1]
-) -> cython.void:
+) -> cython.int:
     """Eliminate columns from the rows between top and bottom, by products of matrices."""
     k, width = last - first, m - top
-    scaled, product = k * width, 2 * k * width  # where they begin; before them are the columns as they are
-    for j in range(k):
-        at = beginning(first + j, m) - first - j
-        factor: Number = 1.0 / front[at + first + j]
+    for j in range(k):  # the columns, then their inverse pivots
+        at = beginning(first + j, m)
+        room[k * width + j] = 1.0 / front[at]
         for i in range(width):
-            room[j * width + i] = front[at + top + i]
-        for i in range(bottom - top):
-            room[scaled + j * width + i] = front[at + top + i] * factor
-    for begin in range(0, bottom - top, 128):
-        end, wide = min(begin + TILE, bottom - top), width - begin
-        multiply_transposed(room, scaled, 0, product, k, width, begin, end)
-        for r in range(end - begin):
-            y, z = beginning(top + begin + r, m) - r, product + r * wide
-            for i in range(r, wide):
-                front[y + i] -= room[z + i]
+            room[j * width + i] = front[at + top - first - j + i]
+    count = (bottom - top + HEIGHT - 1) // HEIGHT * ((width + WIDTH - 1) // WIDTH)
+    if k * (bottom - top) * width < SHARED:
+        for part in range(count):
+            _subtract_part(front, k, top, bottom, m, room, room[k * (width + 1) :], part)
+    else:
+        with cython.gil:
+            run_ranges(
+                partial(subtract_parts, np.asarray(front), k, top, bottom, m, np.asarray(room)), count, 1
+            )
+    return 0
+
+
+def subtract_parts(
+    front: Number[::1], k: Int, top: Int, bottom: Int, m: Int, columns: Number[::1], parts: object
+):
+    """Subtract some parts of the product of k columns from the rows between top and bottom."""
+    work: Number[::1] = np.empty((k + WIDTH) * HEIGHT, dtype=np.asarray(front).dtype)
+    begin: Int = parts.start
+    end: Int = parts.stop
+    with cython.nogil:
+        for part in range(begin, end):
+            _subtract_part(front, k, top, bottom, m, columns, work, part)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _subtract_part(
+    front: Number[::1],
+    k: Int,
+    top: Int,
+    bottom: Int,
+    m: Int,
+    columns: Number[::1],
+    work: Number[::1],
+    part: Int,
+) -> cython.void:
+    """Subtract one part, of `HEIGHT` rows and `WIDTH` columns at most."""
+    width = m - top
+    across = (width + WIDTH - 1) // WIDTH
+    r0, c0 = part // across * HEIGHT, part % across * WIDTH
+    r1, c1 = min(r0 + HEIGHT, bottom - top), min(c0 + WIDTH, width)
+    c0 = max(c0, r0)
+    rows, wide = r1 - r0, c1 - c0
+    if wide <= 0:
+        return
+    for j in range(k):
+        for i in range(rows):
+            work[j * rows + i] = columns[j * width + r0 + i] * columns[k * width + j]
+    multiply_transposed(work, k, rows, columns[c0:], width, wide)
+    for r in range(rows):
+        y, z = beginning(top + r0 + r, m) - r0 - r + c0, k * rows + r * wide
+        for i in range(max(0, r0 + r - c0), wide):
+            front[y + i] -= work[z + i]
 
 
 def eliminate(
