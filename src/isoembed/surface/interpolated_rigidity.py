@@ -16,7 +16,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.interpolation_loops import cell_products
+from isoembed.surface.interpolation_loops import add_cell_products, mirror_blocks
+from isoembed.threads import run_ranges
 
 MAX_EDGES = 30  # measured edges per cell: an interpolated surface has fewer degrees of freedom
 DIAGONAL_SHIFT = 1e-6  # relative: above the rounding error of single precision
@@ -119,14 +120,7 @@ class InterpolatedRigidity:
             The matrix is not positive definite.
         """
         pattern = self.pattern
-        values = cell_products(
-            differences.starts,
-            *differences.stencils,
-            differences.weights,
-            rows,
-            pattern.indptr,
-            pattern.indices,
-        )
+        values = self._products(differences, rows)
         coupled = csc_array(penalty).tocoo()
         at = np.searchsorted(self._keys, coupled.col.astype(np.int64) * pattern.shape[0] + coupled.row)
         first = pattern.indptr[coupled.col].astype(np.int64)
@@ -135,3 +129,17 @@ class InterpolatedRigidity:
             values[9 * first + 3 * (at - first) + k * width + k] += coupled.data
         values[self._diagonal] *= 1 + DIAGONAL_SHIFT
         return self._solver.factor(values, single=True)
+
+    def _products(self, differences: CellRows, rows: Floats) -> Floats:
+        """Entries of ``(J P)^T J P``."""
+        pattern = self.pattern
+        values = np.zeros(9 * pattern.nnz)
+        ends = pattern.shape[0] * np.arange(5) // 4  # four parts of the columns, for any number of threads
+
+        def add(parts: range) -> None:
+            for k in parts:
+                add_cell_products(differences, rows, pattern, range(ends[k], ends[k + 1]), values)
+
+        run_ranges(add, 4, 1)
+        mirror_blocks(pattern, values)
+        return values

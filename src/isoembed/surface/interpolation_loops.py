@@ -6,6 +6,7 @@ from __future__ import annotations
 import cython
 import numpy as np
 from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Flag, Int, Real, Single
+from cython.cimports.isoembed.linalg.blas import multiply_transposed
 from cython.cimports.libc.math import sqrt
 
 INF = cython.declare(cython.double, float("inf"))
@@ -157,63 +158,89 @@ def projected(
     return np.asarray(charts)
 
 
-def cell_products(
-    starts: ConstInt[::1],
-    stencil_indptr: ConstInt[::1],
-    stencil_indices: ConstInt[::1],
-    differences: ConstReal[::1],
-    rows: ConstReal[:, ::1],
-    indptr: ConstInt[::1],
-    indices: ConstInt[::1],
+def add_cell_products(
+    matrix: object, vectors: ConstReal[:, ::1], pattern: object, columns: object, values: Real[::1]
 ):
-    """Sum of the Gram matrices of each cell's rows, a symmetric matrix in blocks of 3 x 3.
+    """Add the Gram matrices of each cell's rows to a symmetric matrix: some columns, from the diagonal down.
 
-    It is accumulated below the diagonal block by block, then copied to the columns and above the diagonal.
+    Parameters
+    ----------
+    matrix : CellRows
+    vectors : ndarray, shape (M, 3)
+        A row of the matrix times each: three columns for each of its columns.
+    pattern : csc_array
+        One entry for each block of 3 x 3 of the symmetric matrix.
+    columns : range
+        Columns of the pattern.
+    values : ndarray, shape (9 nnz,)
+        Entries of the symmetric matrix, column by column.
     """
+    starts: ConstInt[::1] = matrix.starts
+    offsets: ConstInt[::1] = matrix.offsets
+    stencil_indptr: ConstInt[::1] = matrix.stencils[0]
+    stencil: ConstInt[::1] = matrix.stencils[1]
+    weights: ConstReal[::1] = matrix.weights
+    indptr: ConstInt[::1] = pattern.indptr
+    indices: ConstInt[::1] = pattern.indices
+    begin: Int = columns.start
+    end: Int = columns.stop
     n = indptr.shape[0] - 1
-    diagonal: Int[::1] = np.empty(n, dtype=np.int64)
-    for column in range(n):
-        p: Int = indptr[column]
-        while indices[p] < column:
-            p += 1
-        diagonal[column] = p
-    blocks: Real[:, ::1] = np.zeros((indices.shape[0], 9))
-    at: Int = 0  # in the differences
-    for cell in range(n):
-        first, last = starts[cell], starts[cell + 1]
-        begin = stencil_indptr[cell]
-        size = stencil_indptr[cell + 1] - begin
-        if first == last:
-            continue
-        dense = np.empty((last - first, 3 * size), dtype=np.float32)
-        J: Single[:, ::1] = dense
-        for edge in range(first, last):
-            for j in range(size):
-                for k in range(3):
-                    J[edge - first, 3 * j + k] = differences[at] * rows[edge, k]
-                at += 1
-        products: Single[:, ::1] = np.dot(dense.T, dense.copy())  # without the copy, NumPy mirrors one half
-        for j in range(size):
-            p = diagonal[stencil_indices[begin + j]]
-            for i in range(j, size):
-                row = stencil_indices[begin + i]
-                while indices[p] < row:
-                    p += 1
+    size: Int = 3 * _largest(stencil_indptr, 0, n)
+    most: Int = _largest(starts, 0, n)
+    right: Single[::1] = np.empty(most * size, dtype=np.float32)
+    work: Single[::1] = np.empty((most + size) * size, dtype=np.float32)  # the left matrix, and the product
+    with cython.nogil:
+        for cell in range(n):
+            first, last = starts[cell], starts[cell + 1]
+            j0, j2 = stencil_indptr[cell], stencil_indptr[cell + 1]
+            count = j2 - j0
+            while j0 < j2 and stencil[j0] < begin:
+                j0 += 1
+            j1 = j0
+            while j1 < j2 and stencil[j1] < end:
+                j1 += 1
+            if j0 == j1 or first == last:
+                continue
+            own, width = 3 * (j1 - j0), 3 * (j2 - j0)
+            at = offsets[cell] + count - (j2 - j0)
+            for row in range(first, last):
+                u, v = (row - first) * own, (row - first) * width
+                for j in range(j2 - j0):
+                    for k in range(3):
+                        right[v + 3 * j + k] = weights[at + j] * vectors[row, k]
+                for i in range(own):
+                    work[u + i] = right[v + i]
+                at += count
+            multiply_transposed(work, last - first, own, right, width, width)
+            for j in range(j0, j1):
+                start, stop = indptr[stencil[j]], indptr[stencil[j] + 1]
+                p, product = start, (last - first) * own + 3 * (j - j0) * width
+                for i in range(j, j2):
+                    while indices[p] < stencil[i]:
+                        p += 1
+                    place = 9 * start + 3 * (p - start)
+                    for b in range(3):
+                        for a in range(3):
+                            values[place + 3 * b * (stop - start) + a] += work[
+                                product + b * width + 3 * (i - j0) + a
+                            ]
+
+
+def mirror_blocks(pattern: object, values: Real[::1]):
+    """Copy the entries of a symmetric matrix in blocks of 3 x 3 from below the diagonal to above it."""
+    indptr: ConstInt[::1] = pattern.indptr
+    indices: ConstInt[::1] = pattern.indices
+    n = indptr.shape[0] - 1
+    above: Int[::1] = np.array(indptr[:n])  # the next block above the diagonal, by column
+    with cython.nogil:
+        for column in range(n):
+            start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
+            for p in range(above[column] + 1, indptr[column + 1]):  # after that on the diagonal
+                row = indices[p]
+                first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
+                place = 9 * start + 3 * (p - start)
+                image = 9 * first + 3 * (above[row] - first)
+                above[row] += 1
                 for b in range(3):
                     for a in range(3):
-                        blocks[p, 3 * b + a] += products[3 * j + b, 3 * i + a]
-    values: Real[::1] = np.empty(9 * indices.shape[0])
-    above: Int[::1] = np.array(indptr[:n])  # the next block above the diagonal, by column
-    for column in range(n):
-        start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
-        for p in range(diagonal[column], indptr[column + 1]):
-            row = indices[p]
-            first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
-            place = 9 * start + 3 * (p - start)
-            image = 9 * first + 3 * (above[row] - first)
-            above[row] += 1
-            for b in range(3):
-                for a in range(3):
-                    values[image + a * mirrored + b] = blocks[p, 3 * b + a]
-                    values[place + b * width + a] = blocks[p, 3 * b + a]
-    return np.asarray(values)
+                        values[image + a * mirrored + b] = values[place + b * width + a]
