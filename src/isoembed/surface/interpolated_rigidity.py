@@ -16,7 +16,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.interpolation_loops import add_cell_products, mirror_blocks
+from isoembed.surface.interpolation_loops import add_cell_products, mirror_blocks, row_differences
 from isoembed.threads import run_ranges
 
 MAX_EDGES = 30  # measured edges per cell: an interpolated surface has fewer degrees of freedom
@@ -62,17 +62,22 @@ class InterpolatedRigidity:
 
     def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:
         """Interpolation of vertices, (V, C), and edge vectors, (M, C), in charts at these positions."""
-        stencils, places = self._stencils, self._triangulation.edges[self.edges]
+        stencils, ends = self._stencils, self._triangulation.edges[self.edges]
         cell, n = stencils.cells.of_vertex, len(stencils.cells.vertices)
-        across = cell[places] != self.of_edge[:, None]  # ends outside the edge's cell
-        pairs, which = np.unique((places * n + self.of_edge[:, None])[across], return_inverse=True)
-        places[across] = len(cell) + which
-        vertices = np.concatenate([np.arange(len(cell)), pairs // n])
-        source = np.concatenate([cell, pairs % n])
+        across = cell[ends] != self.of_edge[:, None]  # ends outside the edge's cell
+        pairs, which = np.unique((ends * n + self.of_edge[:, None])[across], return_inverse=True)
+        order = np.argsort(cell, kind="stable")
+        vertices = np.concatenate([order, pairs // n])
+        source = np.concatenate([cell[order], pairs % n])
         P = stencils.interpolation(positions, self._triangulation.faces, vertices, source)
-        first, second = (P[place] for place in places.T)
-        first.data -= second.data  # both ends have the same stencil
-        return CellRows.of(stencils, P, cell), CellRows.of(stencils, first, self.of_edge)
+        places = np.argsort(order)[ends]
+        places[across] = len(cell) + which
+        differences = row_differences(P.indptr, P.data, places)
+        every = np.arange(len(places))
+        return (
+            CellRows.of(stencils, P.data[: P.indptr[len(cell)]], order, cell[order]),
+            CellRows.of(stencils, differences, every, self.of_edge),
+        )
 
     @cached_property
     def pattern(self) -> csc_array:

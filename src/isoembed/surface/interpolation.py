@@ -95,12 +95,11 @@ class CellRows:
     weights: Floats
 
     @classmethod
-    def of(cls, stencils: Stencils, weights: csr_array, cell: Indices) -> CellRows:
-        """Group the rows of a matrix from `Stencils.interpolation` by their cells."""
-        rows = np.argsort(cell, kind="stable")
+    def of(cls, stencils: Stencils, weights: Floats, rows: Indices, cell: Indices) -> CellRows:
+        """Rows with these indices, of cells in ascending order."""
         pattern = stencils.pattern
-        starts = np.searchsorted(cell[rows], np.arange(pattern.shape[0] + 1))
-        return cls(rows, starts, (pattern.indptr, pattern.indices), weights[rows].data)
+        starts = np.searchsorted(cell, np.arange(pattern.shape[0] + 1))
+        return cls(rows, starts, (pattern.indptr, pattern.indices), weights)
 
     @cached_property
     def offsets(self) -> Indices:

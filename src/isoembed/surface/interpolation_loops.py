@@ -158,6 +158,22 @@ def projected(
     return np.asarray(charts)
 
 
+def row_differences(indptr: ConstInt[::1], weights: ConstReal[::1], rows: ConstInt[:, ::1]):
+    """Entries of the differences of pairs of rows of a matrix with the same columns, one after the other."""
+    at: Int = 0
+    for p in range(rows.shape[0]):
+        at += indptr[rows[p, 0] + 1] - indptr[rows[p, 0]]
+    differences: Real[::1] = np.empty(at)
+    at = 0
+    for p in range(rows.shape[0]):
+        first, second = indptr[rows[p, 0]], indptr[rows[p, 1]]
+        size = indptr[rows[p, 0] + 1] - first
+        for i in range(size):
+            differences[at + i] = weights[first + i] - weights[second + i]
+        at += size
+    return np.asarray(differences)
+
+
 def add_cell_products(
     matrix: object, vectors: ConstReal[:, ::1], pattern: object, columns: object, values: Real[::1]
 ):
