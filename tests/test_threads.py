@@ -140,6 +140,30 @@ def test_an_interrupt_of_the_main_thread_ends_the_run_and_is_not_replaced():
     assert threading.active_count() == 1
 
 
+def test_threads_are_used_again_and_keep_nothing_alive():
+    class Kept:
+        pass
+
+    both = threading.Barrier(2, timeout=60)
+    threads = []
+    with reserve_threads(2):
+        for _ in range(2):
+            kept = Kept()
+            alive = weakref.ref(kept)
+
+            def task(t, kept=kept):
+                both.wait()
+                threads.append(threading.get_ident())
+
+            TaskGraph([(), ()]).run(task)
+            del kept, task
+            limit = time.monotonic() + 60  # a thread may be about to let go
+            while alive() is not None and time.monotonic() < limit:
+                time.sleep(0.001)
+            assert alive() is None
+    assert len(set(threads)) == 2 and threading.active_count() == 1
+
+
 def test_a_failed_run_keeps_nothing_alive():
     class Kept:
         pass

@@ -261,8 +261,7 @@ class _Team:
 
     def _remove(self, run: _Run) -> None:
         with self._changed:
-            if run in self._runs:
-                self._runs.remove(run)
+            self._runs = [other for other in self._runs if other is not run]
 
     def _work(self, k: int) -> None:
         _member.team, _member.place = self, k / (self.count - 1)
@@ -277,9 +276,9 @@ class _Team:
     def _next(self, runs: Callable[[], list[_Run]], over: Callable[[], bool]) -> tuple[_Run, int] | None:
         with self._changed:
             while not over():
-                for run in runs():
-                    if run.ready:
-                        return run, run.begin(_member.place)
+                run = next((each for each in runs() if each.ready), None)
+                if run is not None:
+                    return run, run.begin(_member.place)
                 self._changed.wait()
         return None
 
