@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 
 from isoembed.linalg import dissect
 from isoembed.linalg.bisection import lift_ends
+from isoembed.threads import reserve_threads
 
 
 def hull_edges(points):
@@ -69,6 +70,18 @@ def test_orders_are_permutations_and_repeatable(n, seed):
     assert is_permutation(once.block_order(3), 3 * n)
     assert np.array_equal(once.vertex_order(), again.vertex_order())
     assert np.array_equal(once.edge_order(edges), again.edge_order(edges))
+
+
+def test_orders_are_the_same_for_any_number_of_threads():
+    n = 30_000
+    edges = hull_edges(fibonacci_sphere(n))
+    found = []
+    for count in (1, 2, 3):
+        with reserve_threads(count):
+            tree = dissect(adjacency(n, edges))
+            found.append(np.concatenate([tree.vertex_order(), tree.edge_order(edges)]))
+    assert is_permutation(found[0][:n], n)
+    np.testing.assert_array_equal(found[1:], found[:1] * 2)
 
 
 @pytest.mark.parametrize("n", [4, 5, 6, 7])

@@ -15,6 +15,7 @@ from cython.cimports.libc.math import sqrt
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.separator import Graph
+from isoembed.threads import run_ranges
 
 INF = cython.declare(cython.double, float("inf"))
 WINDOW = cython.declare(
@@ -76,70 +77,138 @@ def lift_ends(indptr: ConstInt32[::1], indices: ConstInt32[::1], path: Int[::1],
     return lifted
 
 
-def _bisected(graph: Graph, position: ConstReal[:, ::1], separated: cython.bint):
+def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices, Indices, Indices]:
     """Return the vertices, both parts of a cell before the separator, if any, and their paths and depths."""
-    pattern = Pattern(graph)
-    n = pattern.indptr.shape[0] - 1
-    order: Int[::1] = np.arange(n)
-    members: Int[::1] = np.empty(n, dtype=np.int64)
-    cell: Int[::1] = np.zeros(n, dtype=np.int64)
-    path: Int[::1] = np.zeros(n, dtype=np.int64)
-    depth: Int[::1] = np.zeros(n, dtype=np.int64)
-    height: Real[::1] = np.empty(n)
-    heights: Real[::1] = np.empty(n)
+    n = len(position)
+    cells = Cells(graph, position, separated)
+    bands: list[Band] = []
+
+    def bisect(start: int, end: int) -> None:
+        band = bands.pop() if bands else Band(n)
+        if end - start <= max(n // 16, 8192):  # about 10 ms
+            bisect_all(cells, start, end, band)
+            bands.append(band)
+            return
+        parts = bisect_once(cells, start, end, band)
+        bands.append(band)
+        run_ranges(lambda some: [bisect(*parts[k]) for k in some], len(parts), 1)
+
+    bisect(0, n)
+    return cells.arrays()
+
+
+@cython.cclass
+class Cells:
+    """The cells of a graph that are bisected: parts of an array of vertices.
+
+    Cells in different parts may be bisected at once.  The number of a cell, in `cell`, is twice its beginning
+    in the array, and only its own vertices bear it or the next.
+    """
+
+    pattern: Pattern
+    position: ConstReal[:, ::1]
+    separated: cython.bint
+    order: Int[::1]
+    members: Int[::1]
+    cell: Int[::1]
+    path: Int[::1]
+    depth: Int[::1]
+    height: Real[::1]
+    heights: Real[::1]
+
+    def __init__(self, graph, position, separated):
+        n = len(position)
+        self.pattern, self.position, self.separated = Pattern(graph), position, separated
+        self.order, self.members = np.arange(n), np.empty(n, dtype=np.int64)
+        self.cell, self.path, self.depth = np.zeros((3, n), dtype=np.int64)
+        self.height, self.heights = np.empty((2, n))
+
+    def arrays(self):
+        """The vertices, and their paths and depths."""
+        return np.asarray(self.order), np.asarray(self.path), np.asarray(self.depth)
+
+
+def bisect_all(cells: Cells, start: Int, end: Int, band: Band):
+    """Bisect a cell, and its parts, down to a few vertices."""
     table: Int[:, ::1] = np.empty((2, PLACES + 1), dtype=np.int64)
-    band = Band(n)
-    cells: Int = 1
-    start: Int
-    end: Int
-    v: Int
-    waiting = [(0, n)]
-    while waiting:
-        start, end = waiting.pop()
-        size = end - start
-        if size <= 4:  # cutting smaller cells saves hardly any fill
-            continue
-        for k in range(size):
-            members[k] = order[start + k]
-        these: Int[::1] = members[:size]
-        _measure(these, position, height)
-        _cut(pattern, these, cell, height, heights[:size], table)
-        # a band of .05 sqrt(size) layers on either side, at most six
-        width: Int = min(cython.cast(Int, 0.05 * sqrt(size)), 6)
-        replace_cut(pattern, these, cell, width, band)
-        if not separated:
-            _dissolve(pattern, these, cell)
-        lower: Int = 0
-        upper: Int = 0
-        for v in these:
-            if cell[v] != SEPARATOR:
-                lower += 1 - (cell[v] & 1)
-                upper += cell[v] & 1
-        if max(lower, upper) == size:
-            continue
-        a, b, c = start, start + lower, start + lower + upper
-        waiting.append((a, b))
-        waiting.append((b, c))
-        for v in these:
-            if cell[v] == SEPARATOR:
-                order[c] = v
-                c += 1
+    sizes: Int[::1] = np.empty(2, dtype=np.int64)
+    waiting: Int[:, ::1] = np.empty((2 + end - start, 2), dtype=np.int64)
+    count: Int = 1
+    waiting[0, 0], waiting[0, 1] = start, end
+    with cython.nogil:
+        while count > 0:
+            count -= 1
+            start, end = waiting[count, 0], waiting[count, 1]
+            if end - start <= 4:  # cutting smaller cells saves hardly any fill
                 continue
-            depth[v] += 1
-            path[v] = 2 * path[v] + (cell[v] & 1)
-            if cell[v] & 1 == 0:
-                order[a] = v
-                a += 1
-                cell[v] = 2 * cells
-            else:
-                order[b] = v
-                b += 1
-                cell[v] = 2 * cells + 2
-        cells += 2
-    return np.asarray(order), np.asarray(path), np.asarray(depth)
+            if _bisect(cells, start, end, band, table, sizes):
+                middle = start + sizes[0]
+                waiting[count, 0], waiting[count, 1] = start, middle
+                waiting[count + 1, 0], waiting[count + 1, 1] = middle, middle + sizes[1]
+                count += 2
+
+
+def bisect_once(cells: Cells, start: Int, end: Int, band: Band):
+    """Bisect a cell; return the beginnings and ends of its parts, if there are two."""
+    table: Int[:, ::1] = np.empty((2, PLACES + 1), dtype=np.int64)
+    sizes: Int[::1] = np.empty(2, dtype=np.int64)
+    with cython.nogil:
+        done = _bisect(cells, start, end, band, table, sizes)
+    middle = start + sizes[0]
+    return [(start, middle), (middle, middle + sizes[1])] if done else []
 
 
 @cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _bisect(
+    cells: Cells, start: Int, end: Int, band: Band, table: Int[:, ::1], sizes: Int[::1]
+) -> cython.bint:
+    """Bisect a cell and set the sizes of both parts; False if one would be empty."""
+    v: Int
+    order, cell, size = cells.order, cells.cell, end - start
+    these: Int[::1] = cells.members[start:end]
+    for k in range(size):
+        these[k] = order[start + k]
+    _measure(these, cells.position, cells.height)
+    _cut(cells.pattern, these, cell, cells.height, cells.heights[start:end], table)
+    # a band of .05 sqrt(size) layers on either side, at most six
+    width: Int = min(cython.cast(Int, 0.05 * sqrt(size)), 6)
+    replace_cut(cells.pattern, these, cell, width, band)
+    if not cells.separated:
+        _dissolve(cells.pattern, these, cell)
+    lower: Int = 0
+    upper: Int = 0
+    for k in range(size):
+        v = these[k]
+        if cell[v] != SEPARATOR:
+            lower += 1 - (cell[v] & 1)
+            upper += cell[v] & 1
+    if max(lower, upper) == size:
+        return False
+    sizes[0], sizes[1] = lower, upper
+    a, b, c = start, start + lower, start + lower + upper
+    for k in range(size):
+        v = these[k]
+        if cell[v] == SEPARATOR:
+            order[c] = v
+            c += 1
+            continue
+        cells.depth[v] += 1
+        cells.path[v] = 2 * cells.path[v] + (cell[v] & 1)
+        if cell[v] & 1 == 0:
+            order[a] = v
+            a += 1
+            cell[v] = 2 * start
+        else:
+            order[b] = v
+            b += 1
+            cell[v] = 2 * (start + lower)
+    return True
+
+
+@cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _measure(members: Int[::1], position: ConstReal[:, ::1], height: Real[::1]) -> cython.void:
     """Set `height` of the vertices of a cell: their coordinate along its longest axis."""
@@ -198,6 +267,7 @@ def _measure(members: Int[::1], position: ConstReal[:, ::1], height: Real[::1]) 
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _cut(
     graph: Pattern,
@@ -258,6 +328,7 @@ def _cut(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _halve(members: Int[::1], cell: Int[::1], height: Real[::1], level: Real) -> cython.void:
     """Cut a cell at a height that many vertices have: these one by one, until the halves are equal."""
@@ -272,6 +343,7 @@ def _halve(members: Int[::1], cell: Int[::1], height: Real[::1], level: Real) ->
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _dissolve(graph: Pattern, members: Int[::1], cell: Int[::1]) -> cython.void:
     """Put every vertex of a separator on the side where it has more neighbors."""
@@ -290,6 +362,7 @@ def _dissolve(graph: Pattern, members: Int[::1], cell: Int[::1]) -> cython.void:
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _selected(values: Real[::1], k: Int) -> Real:
     """The k-th smallest value, from 0; the values are moved about (Hoare, Find, Comm. ACM 4, 1961)."""

@@ -13,4 +13,6 @@ cdef class Band:
     cdef long long[::1] trail
     cdef long long[::1] tried
 
-cdef long long replace_cut(Pattern graph, long long[::1] members, long long[::1] cell, long long width, Band band)
+cdef long long replace_cut(
+    Pattern graph, long long[::1] members, long long[::1] cell, long long width, Band band
+) noexcept nogil

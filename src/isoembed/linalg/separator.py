@@ -77,6 +77,7 @@ def separate(graph: Graph, members: Int[::1], cell: Int[::1], width: Int):
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def replace_cut(
     graph: Pattern,
@@ -144,6 +145,7 @@ def replace_cut(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _gather(graph: Pattern, members: Int[::1], cell: Int[::1], band: Band) -> Int:
     """Begin the band with the ends of the severed edges; return their number."""
@@ -160,6 +162,7 @@ def _gather(graph: Pattern, members: Int[::1], cell: Int[::1], band: Band) -> In
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _widen(graph: Pattern, cell: Int[::1], ends: Int, width: Int, band: Band) -> Int:
     """Widen the band to this number of layers, and forget all paths; return its number of vertices."""
@@ -181,6 +184,7 @@ def _widen(graph: Pattern, cell: Int[::1], ends: Int, width: Int, band: Band) ->
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _saturate(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: Int, band: Band) -> cython.void:
     """Find paths from the outermost layer on the source's side to that on the other until there are no more.
@@ -197,6 +201,7 @@ def _saturate(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: In
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _rank(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: Int, band: Band) -> cython.bint:
     """Number the states by steps from the source, as far as the first across; return whether there is one."""
@@ -246,6 +251,7 @@ def _rank(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: Int, b
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _onward(v: Int, band: Band) -> Int:
     """The state after entering v: leaving it, or leaving the vertex before it on the path it is on."""
@@ -255,6 +261,7 @@ def _onward(v: Int, band: Band) -> Int:
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _advance(graph: Pattern, cell: Int[::1], source: Int, start: Int, width: Int, band: Band) -> cython.bint:
     """Add a path that begins at a vertex, if one runs along rising levels; states tried are crossed out."""
