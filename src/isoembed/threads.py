@@ -21,8 +21,11 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
+from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
+
+T = TypeVar("T")
 
 MAX_THREADS = 8  # elimination trees of surfaces have no work for more
 
@@ -105,6 +108,14 @@ def run_ranges(task: Callable[[range], object], count: int, fewest: int) -> None
     parts = max(1, min(4 * threads if threads > 1 else 1, count // fewest))  # four: some finish early
     ends = [count * k // parts for k in range(parts + 1)]
     TaskGraph([()] * parts).run(lambda k: task(range(ends[k], ends[k + 1])))
+
+
+def taken(spare: list[T]) -> T | None:
+    """Take an item out of a list that other threads change, too; None if it is empty."""
+    try:
+        return spare.pop()
+    except IndexError:
+        return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from cython.cimports.libc.math import sqrt
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.separator import Graph
-from isoembed.threads import run_ranges
+from isoembed.threads import run_ranges, taken
 
 INF = cython.declare(cython.double, float("inf"))
 WINDOW = cython.declare(
@@ -84,7 +84,7 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
     bands: list[Band] = []
 
     def bisect(start: int, end: int) -> None:
-        band = bands.pop() if bands else Band(n)
+        band = taken(bands) or Band(n)
         if end - start <= max(n // 16, 8192):  # about 10 ms
             bisect_all(cells, start, end, band)
             bands.append(band)

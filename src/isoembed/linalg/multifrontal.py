@@ -18,7 +18,7 @@ from isoembed.linalg.fronts import eliminate, substitute_backward, substitute_fo
 from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.supernodes import Supernodes
 from isoembed.linalg.tasks import TaskTree
-from isoembed.threads import thread_count
+from isoembed.threads import taken, thread_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Fronts:
         spare: list[Floats | Singles] = []  # arrays for the next tasks: new ones would be cleared first
 
         def run(t: int) -> None:
-            work, size = _one_of(spare), tree.sizes[t]
+            work, size = taken(spare), tree.sizes[t]
             if work is None or work.size < size + tree.rooms[t]:
                 work = np.empty(size + tree.rooms[t], dtype=precision)
             stack, room = work[:size], work[size:]
@@ -124,11 +124,3 @@ class FrontalFactors:
         tree.upward.run(forward)
         tree.downward.run(backward)
         return np.asarray(x.reshape(b.T.shape).T)
-
-
-def _one_of(arrays: list[Floats | Singles]) -> Floats | Singles | None:
-    """Take one out of a list that other threads change, too."""
-    try:
-        return arrays.pop()
-    except IndexError:
-        return None
